@@ -1,7 +1,7 @@
 """How often and why the classical front in space sticks, over many random bodies.
 
 ``python stuck_fronts.py --kind noisy --first 0 --count 300`` meshes them and prints sums: bodies whose front
-stuck, cells, rests by their numbers of faces and vertices, and what filled them. Kinds: those of
+stuck, cells, rests by their numbers of faces and vertices, what filled them, and meshes that are "wrong". Kinds: those of
 `random_bodies`, and ``cube`` (random diagonals), ``torus``, ``star`` (twisted prisms) of `solids`.
 """
 
@@ -17,7 +17,8 @@ import numpy as np
 from random_bodies import MAKERS
 from solids import cube, torus, twisted_star
 
-from unstruct import Domain, UnstructError
+from unstruct import Domain, UnstructError, check
+from unstruct.generate.space_front.classical_mesh import mesh_of_body
 from unstruct.generate.space_front.classical_rest import completed, rests_of
 from unstruct.generate.space_front.classical_run import body_faces, marched_in_space
 from unstruct.sizing.field import as_size
@@ -57,6 +58,9 @@ def judged(domain: Domain, size: float, **options: Any) -> tuple[Counter[str], C
     sums = Counter(run.counts) | Counter(found.counts)
     sums |= Counter({"cells": len(run.cells), "bodies": 1, "stuck bodies": int(len(run.left) > 0)})
     sums["by recovery"] += not found.whole
+    if found.whole:
+        mesh = mesh_of_body(domain, None, found.points, found.cells)
+        sums["wrong"] += not check(mesh, domain=domain)
     return sums, kinds
 
 

@@ -18,8 +18,8 @@ from unstruct.generate.bodies.dividing import divided
 from unstruct.generate.space_front.classical_open import new_space_front
 from unstruct.generate.space_front.classical_rest import completed, front_of_cells, rests_of
 from unstruct.generate.space_front.classical_run import (
-    SPACE_ORDERS,
-    SPACE_SEARCHES,
+    BODY_ORDERS,
+    BODY_SEARCHES,
     BodyFaces,
     SpaceRun,
     body_faces,
@@ -37,7 +37,7 @@ from unstruct.generate.space_front.classical_tree import (
 from unstruct.plain import advancing_front_space as plain
 from unstruct.sizing.field import as_size
 
-ORDERS, FINDS = st.sampled_from(SPACE_ORDERS), st.sampled_from(list(SPACE_SEARCHES))
+ORDERS, FINDS = st.sampled_from(BODY_ORDERS), st.sampled_from(list(BODY_SEARCHES))
 CORNERS = st.lists(st.tuples(*[st.integers(0, 3)] * 3), min_size=8, max_size=12, unique=True)
 
 
@@ -337,7 +337,7 @@ def test_a_budget() -> None:
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        ({"order": "widest"}, "widest"), ({"search": "far"}, "far"), ({"history": True}, "history"),
+        ({"order": "widest"}, "widest"), ({"search": "far"}, "far"),
         ({"budget": -1}, "budget"), ({"split_boundary": "inner"}, "split_boundary"),
     ],
 )  # fmt: skip

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flags
@@ -17,6 +17,7 @@ from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
 from ..rebay.run import VoronoiSegmentRun, rule_of
+from ..space_front.classical_space import classical_in_space
 from ..space_front.in_space import space_front
 from ..volume.lacking import what_is_missing
 from .classical import SEARCHES, classical_front, classical_mesh
@@ -26,7 +27,10 @@ from .run import ORDERS, PLACEMENTS, FrontRun, Placement
 __all__ = ["advancing_front"]
 
 FRONT_METHODS = ("delaunay", "classical")
-SPACE_METHODS = {"delaunay": space_front}
+SPACE_METHODS: dict[str, Callable[..., DomainMesh]] = {
+    "delaunay": space_front,
+    "classical": classical_in_space,
+}
 ANOTHER_DIVISION = "tetrahedralize with another seed may recover it"
 FINISHING = 1.35  # the finishing pass inserts points where R is above so many f, as `voronoi_segment` does
 
@@ -162,6 +166,10 @@ def advancing_front(
     for "empty circle", and "flat", for ideal points whose cells would be flatter than that. ``unrefined``
     are the cells with an edge of more than 2.5 h. ``steps`` has "face" for "edge". Metrics are for the plane.
 
+    *The classical method in space* may stick: no vertex of the front can be joined to any face of it, as with
+    Schönhardt's prism. What is left is then filled by recovery with points inside, and counted. See
+    `unstruct.generate.space_front.classical_space` for its counts and steps.
+
     All signs that decide the topology are exact. O(n) after the boundary is triangulated. Sources: S. H. Lo,
     International Journal for Numerical Methods in Engineering 21 (1985) 1403-1426; J. Peraire et al., Journal
     of Computational Physics 72 (1987) 449-466, also for directions; the front over a triangulation: J. D.
@@ -177,7 +185,7 @@ def advancing_front(
         raise InputError(f"search = {search!r} must be one of {', '.join(map(repr, SEARCHES))}")
     if isinstance(domain, Domain) and domain.dimension == 3:
         mesh = _in_space(
-            domain, size, method, order, placement, finish=finish, split_boundary=split_boundary,
+            domain, size, method, order, placement, search, finish=finish, split_boundary=split_boundary,
             budget=budget, history=history, progress=progress,
         )  # fmt: skip
         return noticed(mesh, what_is_missing(domain, mesh, ANOTHER_DIVISION))
@@ -214,14 +222,16 @@ def advancing_front(
 
 
 def _in_space(
-    domain: Domain, size: Any, method: str, order: str | None, placement: Any, **options: Any
+    domain: Domain, size: Any, method: str, order: str | None, placement: Any, search: str, **options: Any
 ) -> DomainMesh:
     """`advancing_front` for a body."""
-    if method not in SPACE_METHODS:
-        raise InputError(f"method = {method!r} is for the plane; in space it must be 'delaunay'")
     if options["split_boundary"] == "inner":
         raise InputError("split_boundary = 'inner' is for the plane; in space it must be True or False")
     chosen = {"order": order, "placement": placement}
+    if method == "classical":
+        if placement not in (None, "equal sides"):
+            raise InputError(f"placement = {placement!r} must be 'equal sides' for the classical method")
+        chosen = {"order": order, "search": search}
     options |= {name: choice for name, choice in chosen.items() if choice is not None}
     return SPACE_METHODS[method](domain, size, **options)
 

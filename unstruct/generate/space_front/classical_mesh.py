@@ -69,7 +69,8 @@ def mesh_of_body(
     if account.get("steps") is not None:
         steps, known = dict(account["steps"]), np.append(place, -1)
         for column in ("face", "apex", "vertex"):
-            steps[column] = known[steps[column]]
+            if column in steps:
+                steps[column] = known[steps[column]]
         account["steps"] = steps
     return DomainMesh(
         points[used], simplices, origin=origin[used], markers=markers,

@@ -33,12 +33,20 @@ from .classical_tree import (
 )
 
 __all__ = [
-    "CELLS_MADE", "FACES_ALIVE", "POINTS_THERE", "SpaceFront", "close_cell", "enter_loose", "face_row",
-    "has_space", "larger_space_front", "new_space_front",
+    "FACES_ALIVE",
+    "POINTS_THERE",
+    "TETRAHEDRA_MADE",
+    "SpaceFront",
+    "close_cell",
+    "enter_loose",
+    "face_row",
+    "has_space",
+    "larger_space_front",
+    "new_space_front",
 ]  # fmt: skip
 
 # Places in the state.
-FACE_ROWS, FREE_FACE, FACES_ALIVE, FACE_STAMP, POINTS_THERE, CELLS_MADE, SPACE_STATE = range(7)
+FACE_ROWS, FREE_FACE, FACES_ALIVE, FACE_STAMP, POINTS_THERE, TETRAHEDRA_MADE, SPACE_STATE = range(7)
 
 
 class SpaceFront(NamedTuple):
@@ -115,7 +123,7 @@ def larger_space_front(front: SpaceFront) -> SpaceFront:
         rows += rows // 2 + 64
     if state[POINTS_THERE] + 8 > n - n // 8:
         n += n // 2 + 64
-    if state[CELLS_MADE] + 8 > made - made // 8:
+    if state[TETRAHEDRA_MADE] + 8 > made - made // 8:
         made += made // 2 + 64
 
     def more(array: NDArray, count: int, empty: int) -> NDArray:
@@ -158,7 +166,7 @@ def has_space(front):
     return (
         state[FACES_ALIVE] + 8 < len(front.corner)
         and state[POINTS_THERE] + 4 < len(front.first)
-        and state[CELLS_MADE] + 2 < len(front.made)
+        and state[TETRAHEDRA_MADE] + 2 < len(front.made)
     )
 
 
@@ -253,10 +261,10 @@ def face_row(front, a, b, c):
 def close_cell(front, row, d, rows):
     """Make the cell of the face in ``row`` and vertex d; ``rows`` gets the three rows that entered, or -1."""
     a, b, c = np.int64(front.corner[row, 0]), np.int64(front.corner[row, 1]), np.int64(front.corner[row, 2])
-    region, k = front.region[row], front.state[CELLS_MADE]
+    region, k = front.region[row], front.state[TETRAHEDRA_MADE]
     made = front.made
     made[k, 0], made[k, 1], made[k, 2], made[k, 3], made[k, 4] = a, b, c, d, region
-    front.state[CELLS_MADE] += 1
+    front.state[TETRAHEDRA_MADE] += 1
     one, two, three = face_row(front, b, a, d), face_row(front, c, b, d), face_row(front, a, c, d)
     # Faces enter before others leave, so that vertices that stay at the front are not taken out in between.
     rows[0] = enter_face(front, a, b, d, region) if one < 0 else np.int64(-1)

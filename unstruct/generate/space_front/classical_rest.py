@@ -8,7 +8,8 @@ facets of it. If `filled` recovers its facets whole, its cells and those of the 
 
 Recovery may need points inside, as Schönhardt's polyhedron does, and has no theorem for few of them. Where it
 splits a facet or misses one, the cells of the front that touch the part are taken away, and the larger part
-is tried. In the end this is the body itself, all by recovery, with the account of that. Book: 3.5.
+is tried. If a part cannot become larger, because it ends at the boundary of the body all around, the body is
+filled by recovery as a whole, with the account of that. Book: 3.5.
 """
 
 from __future__ import annotations
@@ -174,7 +175,7 @@ def completed(body: BodyFaces, run: SpaceRun, *, seed: int = 0) -> Completed:
     points, cells = run.points, run.cells.astype(np.int64)
     own = np.ones(len(cells), dtype=bool)  # whether a cell is of the front
     faces, part, rests = run.left, run.part, 0
-    whole = True
+    whole, failed = True, set()
     while len(faces):
         found = rests_of(points, faces, part, body, cells)
         rests = rests or len(found)
@@ -182,7 +183,7 @@ def completed(body: BodyFaces, run: SpaceRun, *, seed: int = 0) -> Completed:
         for one in found:
             result = _filled(points, one, seed)
             if result is None:
-                bad.append(np.concatenate([one.facets, one.inner]).ravel())
+                bad.append(np.concatenate([one.facets, one.inner]))
                 continue
             new, more = result
             points = np.concatenate([points, more])
@@ -190,10 +191,12 @@ def completed(body: BodyFaces, run: SpaceRun, *, seed: int = 0) -> Completed:
             own = np.append(own, np.zeros(len(new), dtype=bool))
         if not bad:
             break
-        beside = flagged(len(points), *bad)[cells[:, :4]].any(axis=1)
-        if not beside.any():
+        shapes = {np.unique(lowest_cyclic(rows), axis=0).tobytes() for rows in bad}
+        if shapes & failed:  # nothing but the boundary is around it
             whole = False
             break
+        failed |= shapes
+        beside = flagged(len(points), *[rows.ravel() for rows in bad])[cells[:, :4]].any(axis=1)
         cells, own = cells[~beside], own[~beside]
         faces, part = front_of_cells(body, cells)
     whole = whole and len(_unmade(body.threads.astype(np.int64), cells)) == 0

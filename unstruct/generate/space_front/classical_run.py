@@ -21,20 +21,28 @@ from ...predicates.batch import power_of_two, unscaled
 from ...sizing.field import SizeField
 from ...sizing.space_table import SpaceNodes, space_nodes
 from . import classical_steps as k
-from .classical_open import CELLS_MADE, POINTS_THERE, SpaceFront, larger_space_front, new_space_front
+from .classical_ideal import SpaceChoices
+from .classical_open import POINTS_THERE, TETRAHEDRA_MADE, SpaceFront, larger_space_front, new_space_front
 
 __all__ = [
-    "SPACE_ORDERS", "SPACE_REASONS", "SPACE_SEARCHES", "SPACE_VERDICTS", "BodyFaces", "SpaceRun",
-    "body_faces", "marched_in_space", "scaled_front",
+    "BODY_ORDERS",
+    "BODY_SEARCHES",
+    "BODY_VERDICTS",
+    "CLASSICAL_BODY_REASONS",
+    "BodyFaces",
+    "SpaceRun",
+    "body_faces",
+    "marched_in_space",
+    "scaled_front",
 ]  # fmt: skip
 
-SPACE_ORDERS = ("smallest", "shortest", "oldest")
+BODY_ORDERS = ("smallest", "shortest", "oldest")
 # Where the search for candidates is centered, and its radius: in heights of the ideal tetrahedron about the
 # barycenter, in its edges about the ideal point. The last number is the least quality.
-SPACE_SEARCHES: dict[str, tuple[float, float]] = {"barycenter": (1.5, 0.3), "ideal": (0.75, 0.2)}
-SPACE_REASONS = ("new point", "near vertex", "put aside", "all vertices")
-SPACE_VERDICTS = ("valid", "behind", "holds a vertex", "crosses the front", "not round", "too near")
-FACES_A_CALL = 10_000  # a fraction of a second: Ctrl-C works between calls
+BODY_SEARCHES: dict[str, tuple[float, float]] = {"barycenter": (1.5, 0.3), "ideal": (0.75, 0.2)}
+CLASSICAL_BODY_REASONS = ("new point", "near vertex", "put aside", "all vertices")
+BODY_VERDICTS = ("valid", "behind", "holds a vertex", "crosses the front", "not round", "too near")
+LOOKS_A_CALL = 10_000  # a fraction of a second: Ctrl-C works between calls
 
 
 class BodyFaces(NamedTuple):
@@ -161,26 +169,26 @@ def marched_in_space(
     of a face, so that there are finitely many, and each cell takes a part of what is not meshed. Expected
     O(n log n): a step costs some searches in digital trees. Book: 3.5.
     """
-    if order not in SPACE_ORDERS:
-        raise InputError(f"order = {order!r} must be one of {SPACE_ORDERS} for the classical method")
-    if search not in SPACE_SEARCHES:
-        raise InputError(f"search = {search!r} must be one of {tuple(SPACE_SEARCHES)}")
+    if order not in BODY_ORDERS:
+        raise InputError(f"order = {order!r} must be one of {BODY_ORDERS} for the classical method")
+    if search not in BODY_SEARCHES:
+        raise InputError(f"search = {search!r} must be one of {tuple(BODY_SEARCHES)}")
     front, factor = scaled_front(body)
     most = len(body.points) + (DEFAULT_BUDGET if budget is None else budget)
     constant = 0.0 if field.constant is None else field.constant * factor
     nodes = _table(body.points, field, factor)
-    reach, least = SPACE_SEARCHES[search]
-    choices = k.SpaceChoices(
-        SPACE_ORDERS.index(order), list(SPACE_SEARCHES).index(search), reach, least, constant, most, nodes
+    reach, least = BODY_SEARCHES[search]
+    choices = SpaceChoices(
+        BODY_ORDERS.index(order), list(BODY_SEARCHES).index(search), reach, least, constant, most, nodes
     )
-    waiting, counts = _waiting(front, None), np.zeros(k.SPACE_COUNTS, dtype=np.int64)
+    waiting, counts = _waiting(front, None), np.zeros(k.MARCH_COUNTS, dtype=np.int64)
     journal = _journal(front, None, history, counts)
     k.start_waiting_in_space(front, choices, waiting)
     with progress_bar(progress, " tetrahedra") as bar:
         while True:
-            before = int(front.state[CELLS_MADE])
-            code = k.march_in_space(front, choices, waiting, journal, counts, FACES_A_CALL)
-            bar.update(int(front.state[CELLS_MADE]) - before)
+            before = int(front.state[TETRAHEDRA_MADE])
+            code = k.march_in_space(front, choices, waiting, journal, counts, LOOKS_A_CALL)
+            bar.update(int(front.state[TETRAHEDRA_MADE]) - before)
             if code in (DONE, k.NO_CELL):
                 break
             if code == ROOM:
@@ -235,10 +243,10 @@ def _account(
     most: int,
     history: bool,
 ) -> SpaceRun:
-    m, n = int(front.state[CELLS_MADE]), int(front.state[POINTS_THERE])
+    m, n = int(front.state[TETRAHEDRA_MADE]), int(front.state[POINTS_THERE])
     alive = np.flatnonzero(front.stamp >= 0)
     alive = alive[np.argsort(front.stamp[alive])]
-    named = dict(zip([*SPACE_REASONS, "candidates"], counts.tolist())) | {"stuck faces": len(alive)}
+    named = dict(zip([*CLASSICAL_BODY_REASONS, "candidates"], counts.tolist())) | {"stuck faces": len(alive)}
     steps = None
     if history:
         tried = journal.tried[: int(counts[k.RECORDED])]
@@ -246,13 +254,13 @@ def _account(
         steps = {
             "face": front.made[:m, :3].copy(),
             "apex": front.made[:m, 3].copy(),
-            "reason": np.array(SPACE_REASONS)[journal.log[:m, 0]],
+            "reason": np.array(CLASSICAL_BODY_REASONS)[journal.log[:m, 0]],
             "ideal": numbers[:, :3].copy(),
             "size": numbers[:, 3].copy(),
             "radius": numbers[:, 4].copy(),
             "start": np.append(journal.log[:m, 1], len(tried)),
             "vertex": tried[:, 0].copy(),
-            "verdict": np.array(SPACE_VERDICTS)[tried[:, 1]],
+            "verdict": np.array(BODY_VERDICTS)[tried[:, 1]],
         }
     return SpaceRun(
         unscaled(front.xyz[:n], factor), front.made[:m].copy(), front.corner[alive].astype(np.int64),

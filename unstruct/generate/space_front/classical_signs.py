@@ -31,7 +31,7 @@ __all__ = [
 CELL_FREE, NOT_AHEAD, CELL_HOLDS, CELL_CROSSED = range(4)
 # The corners of the side of a positive cell opposite each corner, which is on their positive side.
 SIDES_OF_CELL = np.array([[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]])
-EDGES_OF_CELL = np.array([[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]])
+CELL_EDGES = np.array([[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [2, 3]])
 
 
 @inline
@@ -97,7 +97,7 @@ def meets_cell(xyz, cell, u, v, w):
         ):
             return True
     for k in range(6):
-        if meeting(xyz, cell[EDGES_OF_CELL[k, 0]], cell[EDGES_OF_CELL[k, 1]], u, v, w)[0] != 0:
+        if meeting(xyz, cell[CELL_EDGES[k, 0]], cell[CELL_EDGES[k, 1]], u, v, w)[0] != 0:
             return True
     return False
 

@@ -19,7 +19,7 @@ from ..bodies.tetrahedralize import tetrahedra_by_size
 from ..volume.improving import improve
 from .classical_mesh import mesh_of_body, quality_in_space
 from .classical_rest import completed
-from .classical_run import SPACE_ORDERS, SPACE_SEARCHES, body_faces, marched_in_space
+from .classical_run import BODY_ORDERS, BODY_SEARCHES, body_faces, marched_in_space
 
 __all__ = ["classical_in_space"]
 
@@ -61,7 +61,7 @@ def classical_in_space(
     budget : int, optional
         The largest number of new points of the front; 10^7 by default.
     history : bool
-        Keep a record of each cell of the front in ``steps``; not together with ``finish``.
+        Keep a record of each cell of the front in ``steps``, as it was made: before the finishing pass.
     progress : bool
         Show a bar.
 
@@ -103,15 +103,13 @@ def classical_in_space(
     8 (1988) 1135-1149; J. Peraire et al., International Journal for Numerical Methods in Engineering 26
     (1988) 2135-2159. Book: 3.5.
     """
-    if not isinstance(order, str) or order not in SPACE_ORDERS:
-        raise InputError(f"order = {order!r} must be one of {SPACE_ORDERS} for the classical method")
-    if not isinstance(search, str) or search not in SPACE_SEARCHES:
-        raise InputError(f"search = {search!r} must be one of {tuple(SPACE_SEARCHES)}")
+    if not isinstance(order, str) or order not in BODY_ORDERS:
+        raise InputError(f"order = {order!r} must be one of {BODY_ORDERS} for the classical method")
+    if not isinstance(search, str) or search not in BODY_SEARCHES:
+        raise InputError(f"search = {search!r} must be one of {tuple(BODY_SEARCHES)}")
     as_flags(finish=finish, history=history, progress=progress)
     if split_boundary is not None:
         as_flags(split_boundary=split_boundary)
-    if finish and history:
-        raise InputError("finish=True changes the cells, so that there is no history: give finish=False")
     seed = as_seed(seed)
     most = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain = as_domain(domain, 3)
@@ -157,7 +155,8 @@ def _made(
         mesh.counts = {**mesh.counts, **counts}
         return mesh
     steps = run.steps if found.counts["taken back"] == 0 else None
-    account: dict[str, Any] = {"counts": counts, "steps": steps}
+    missing = {"missing segments": 0, "missing triangles": 0}
+    account: dict[str, Any] = {"counts": counts | missing, "steps": steps}
     if run.spent:
         account["unrefined"] = np.arange(len(found.cells))
         account["reasons"] = np.full(len(found.cells), "budget")
@@ -170,7 +169,7 @@ def _finished(mesh: DomainMesh, seed: int, progress: bool) -> DomainMesh:
     """The same, with rounder cells."""
     better = improve(mesh, seed=seed, progress=progress)
     before, after = quality_in_space(mesh), quality_in_space(better)
-    better.figures = dict(after)
+    better.figures, better.steps = dict(after), mesh.steps
     better.figures |= {f"{name} before": x for name, x in before.items()}
     better.figures |= {f"{name} after": x for name, x in after.items()}
     return better

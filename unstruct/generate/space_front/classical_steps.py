@@ -27,7 +27,7 @@ Löhner, P. Parikh, International Journal for Numerical Methods in Fluids 8 (198
 
 from __future__ import annotations
 
-from math import frexp, sqrt
+from math import frexp
 from typing import NamedTuple
 
 import numpy as np
@@ -38,9 +38,9 @@ from ...base.codes import DONE, MORE, ROOM
 from ...base.heap import pop, push
 from ...base.jit import apart, inline, lean
 from ...geometry.triangle_pairs import side
-from ...sizing.space_table import SpaceNodes, size_in_space
 from ..volume.coarse import square_from_triangle
-from .classical_open import CELLS_MADE, FACES_ALIVE, POINTS_THERE, close_cell, enter_loose, has_space
+from .classical_ideal import apart_by, from_place, ideal_in_space, roundness_of, wanted_at
+from .classical_open import FACES_ALIVE, POINTS_THERE, TETRAHEDRA_MADE, close_cell, enter_loose, has_space
 from .classical_signs import (
     CELL_CROSSED,
     CELL_FREE,
@@ -52,18 +52,24 @@ from .classical_signs import (
 from .classical_tree import gather_in_space
 
 __all__ = [
-    "CANDIDATES_TRIED", "NO_CELL", "RECORDED", "SPACE_COUNTS", "STUCK_FACES", "SpaceChoices", "SpaceJournal",
-    "SpaceWaiting", "march_in_space", "start_waiting_in_space",
+    "CANDIDATES_TRIED",
+    "MARCH_COUNTS",
+    "NO_CELL",
+    "RECORDED",
+    "STUCK_FACES",
+    "SpaceJournal",
+    "SpaceWaiting",
+    "march_in_space",
+    "start_waiting_in_space",
 ]  # fmt: skip
 
 NO_CELL = 8  # all faces are stuck
-FLAT_CELL, NO_ROOM = 4, 5  # verdicts, besides those of `cell_fault`
+NOT_ROUND_ENOUGH, NO_ROOM = 4, 5  # verdicts, besides those of `cell_fault`
 SHORTEST_FIRST, OLDEST_FIRST = 1, 2  # orders; 0: the smallest wanted length first
 ABOUT_BARYCENTER, ABOUT_X = range(2)
 # Places in the counts; the first four are also the reasons for a choice.
-WITH_X, WITH_NEAR, WITH_ASIDE, WITH_ANY, CANDIDATES_TRIED, RECORDED, STUCK_FACES, SPACE_COUNTS = range(8)
+WITH_X, WITH_NEAR, WITH_ASIDE, WITH_ANY, CANDIDATES_TRIED, RECORDED, STUCK_FACES, MARCH_COUNTS = range(8)
 OFF_VERTICES, OFF_FACES = 0.5, 0.22  # times the edges: no new point is nearer to a vertex or another face
-LEAST_EDGE, MOST_EDGE = 1.25, 3.5  # the ideal edges in radii of the smallest circle around the face
 ASIDE_ROUND, LOW_X, ASIDE_REACH = 0.1, 0.5, 1.5  # where a face was put aside once
 PARTS_OF_OCTAVE = (
     64  # sizes and lengths in the same one of so many parts of an octave are equal for the order
@@ -72,18 +78,6 @@ FACES_APART = 2.0**32  # more than there are faces
 LEVEL_APART = 2.0**50
 MOST_LEVEL = 2  # faces that have been put aside so often take any valid cell
 LATEST = 1e300  # X comes after all others
-
-
-class SpaceChoices(NamedTuple):
-    """What the caller chooses."""
-
-    order: int
-    search: int
-    reach: float  # the radius of the search: times the height of the ideal cell, or times its edges
-    roundness: float  # the least quality of a cell with a candidate from this sphere
-    constant: float  # the wanted length if it is the same everywhere, otherwise 0
-    most: int  # no new point is made when there are so many vertices
-    size: SpaceNodes
 
 
 class SpaceWaiting(NamedTuple):
@@ -104,29 +98,6 @@ class SpaceJournal(NamedTuple):
     log: NDArray[np.int32]  # (., 2) the reason, and how many rows of ``tried`` there were before
     numbers: NDArray[np.float64]  # (., 5) the ideal point, the wanted length, the radius of the search
     tried: NDArray[np.int32]  # (., 2) the vertex (-1: the ideal point) and the verdict; (0, 2) if not wanted
-
-
-@inline
-def wanted_at(choices, x, y, z):
-    """The wanted length at a point."""
-    size = choices.size
-    if choices.constant > 0.0:
-        return choices.constant
-    return size_in_space(size.child, size.values, size.box, x, y, z)
-
-
-@inline
-def apart_by(xyz, u, v):
-    """The distance of two vertices."""
-    x, y, z = xyz[v, 0] - xyz[u, 0], xyz[v, 1] - xyz[u, 1], xyz[v, 2] - xyz[u, 2]
-    return sqrt(x * x + y * y + z * z)
-
-
-@inline
-def from_place(xyz, v, x, y, z):
-    """The distance of a vertex from a place."""
-    dx, dy, dz = xyz[v, 0] - x, xyz[v, 1] - y, xyz[v, 2] - z
-    return sqrt(dx * dx + dy * dy + dz * dz)
 
 
 @inline
@@ -186,63 +157,6 @@ def next_face(front, choices, waiting):
             if is_there(front, waiting.stuck[i]):
                 wait_in_space(front, choices, waiting, np.int64(waiting.stuck[i] % 4294967296))
         waiting.many[1] = 0
-
-
-@lean
-def ideal_in_space(front, choices, row, lower):
-    """Write the ideal point of a face, ``lower`` times as high, to the next unused vertex: (edges, length).
-
-    Its foot is the center of the smallest circle around the face: the circumcenter, or, if an angle is
-    obtuse, the middle of the longest edge. The length is taken at the height of the center of the regular
-    tetrahedron. Edges 0 mean that there is no such point, since lengths so small are lost to rounding.
-    """
-    xyz, n = front.xyz, front.state[POINTS_THERE]
-    a, b, c = np.int64(front.corner[row, 0]), np.int64(front.corner[row, 1]), np.int64(front.corner[row, 2])
-    p, q, r = apart_by(xyz, b, c), apart_by(xyz, c, a), apart_by(xyz, a, b)
-    ux, uy, uz = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]
-    vx, vy, vz = xyz[c, 0] - xyz[a, 0], xyz[c, 1] - xyz[a, 1], xyz[c, 2] - xyz[a, 2]
-    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
-    twice = sqrt(nx * nx + ny * ny + nz * nz)  # the area
-    if twice < 1e-200:
-        return 0.0, 0.0
-    one, two, three = p * p * (q * q + r * r - p * p), q * q * (r * r + p * p - q * q), 0.0
-    three = r * r * (p * p + q * q - r * r)
-    if one <= 0.0:
-        one, two, three, radius = 0.0, 0.5, 0.5, 0.5 * p
-    elif two <= 0.0:
-        one, two, three, radius = 0.5, 0.0, 0.5, 0.5 * q
-    elif three <= 0.0:
-        one, two, three, radius = 0.5, 0.5, 0.0, 0.5 * r
-    else:
-        whole = one + two + three
-        one, two, three, radius = one / whole, two / whole, three / whole, p * q * r / (2.0 * twice)
-    x = one * xyz[a, 0] + two * xyz[b, 0] + three * xyz[c, 0]
-    y = one * xyz[a, 1] + two * xyz[b, 1] + three * xyz[c, 1]
-    z = one * xyz[a, 2] + two * xyz[b, 2] + three * xyz[c, 2]
-    nx, ny, nz = nx / twice, ny / twice, nz / twice
-    up = radius * 0.3535533905932738  # a quarter of the height of the regular tetrahedron
-    h = wanted_at(choices, x + up * nx, y + up * ny, z + up * nz)
-    edge = min(max(h, LEAST_EDGE * radius), MOST_EDGE * radius)
-    d = lower * sqrt(edge * edge - radius * radius)
-    xyz[n, 0], xyz[n, 1], xyz[n, 2] = x + d * nx, y + d * ny, z + d * nz
-    return edge, h
-
-
-@inline
-def roundness_of(xyz, cell):
-    """The quality 6 sqrt(2) V / (root mean square edge)^3 of a cell: 1 if regular, near 0 if flat."""
-    a, b, c, d = cell[0], cell[1], cell[2], cell[3]
-    ux, uy, uz = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]
-    vx, vy, vz = xyz[c, 0] - xyz[a, 0], xyz[c, 1] - xyz[a, 1], xyz[c, 2] - xyz[a, 2]
-    wx, wy, wz = xyz[d, 0] - xyz[a, 0], xyz[d, 1] - xyz[a, 1], xyz[d, 2] - xyz[a, 2]
-    six = ux * (vy * wz - vz * wy) + uy * (vz * wx - vx * wz) + uz * (vx * wy - vy * wx)
-    square = ux * ux + uy * uy + uz * uz + vx * vx + vy * vy + vz * vz + wx * wx + wy * wy + wz * wz
-    square += (ux - vx) * (ux - vx) + (uy - vy) * (uy - vy) + (uz - vz) * (uz - vz)
-    square += (vx - wx) * (vx - wx) + (vy - wy) * (vy - wy) + (vz - wz) * (vz - wz)
-    square += (wx - ux) * (wx - ux) + (wy - uy) * (wy - uy) + (wz - uz) * (wz - uz)
-    square /= 6.0
-    below = square * sqrt(square)
-    return 1.4142135623730951 * six / below if below > 0.0 else 0.0
 
 
 @apart
@@ -332,7 +246,7 @@ def search_in_space(front, choices, waiting, journal, counts, row, edge):
             set_cell(front, row, v)
             verdict = cell_fault(front)
             if verdict == CELL_FREE and roundness_of(front.xyz, front.cell) < least:
-                verdict = FLAT_CELL
+                verdict = NOT_ROUND_ENOUGH
         note_candidate(journal, counts, v if v != n else np.int64(-1), verdict)
         if verdict == CELL_FREE:
             return v
@@ -381,7 +295,7 @@ def choose_in_space(front, choices, waiting, journal, counts, row):
         return search_everywhere(front, waiting, journal, counts, row), WITH_ANY
     edge, h = ideal_in_space(front, choices, row, 1.0 if level == 0 else LOW_X)
     if len(journal.log) > 0:
-        k = front.state[CELLS_MADE]
+        k = front.state[TETRAHEDRA_MADE]
         for j in range(3):
             journal.numbers[k, j] = front.xyz[n, j]
         journal.numbers[k, 3] = h
@@ -419,13 +333,13 @@ def march_in_space(front, choices, waiting, journal, counts, limit):
         room = room and waiting.many[0] + waiting.many[1] + 8 < len(waiting.keys)
         if wanted:
             room = room and counts[RECORDED] + state[POINTS_THERE] + 8 < len(journal.tried)
-            room = room and state[CELLS_MADE] + 2 < len(journal.log)
+            room = room and state[TETRAHEDRA_MADE] + 2 < len(journal.log)
         if not (room and has_space(front)):
             return ROOM
         row = next_face(front, choices, waiting)
         if row < 0:
             return DONE if state[FACES_ALIVE] == 0 else NO_CELL
-        before, k, n = counts[RECORDED], state[CELLS_MADE], state[POINTS_THERE]
+        before, k, n = counts[RECORDED], state[TETRAHEDRA_MADE], state[POINTS_THERE]
         v, reason = choose_in_space(front, choices, waiting, journal, counts, row)
         if v < 0:
             put_aside(front, choices, waiting, counts, row)

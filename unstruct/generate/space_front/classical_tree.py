@@ -22,7 +22,7 @@ __all__ = [
     "pull_from_space",
 ]  # fmt: skip
 
-LOW_CHILD, HIGH_CHILD, ABOVE = range(3)  # columns of the links: the two children, and the parent
+LOW_CHILD, HIGH_CHILD, PARENT_NODE = range(3)  # columns of the links: the two children, and the parent
 CENTER, OWN_WIDTH, MOST_WIDTH = 6, 9, 10  # columns of the places, after the box
 NOT_THERE = -2  # instead of a parent
 ROUNDED_PLACE = 1e-15  # more than the center and the half width can be wrong, as |coordinates| <= 1
@@ -58,7 +58,7 @@ def larger_space_tree(tree: SpaceTree, capacity: int) -> SpaceTree:
 @inline
 def is_planted(tree, i):
     """Whether item i is in the tree."""
-    return tree.links[i, ABOVE] != NOT_THERE
+    return tree.links[i, PARENT_NODE] != NOT_THERE
 
 
 @inline
@@ -86,7 +86,7 @@ def plant_in_space(tree, i, x, y, z, half):
     node = tree.root[0]
     if node < 0:
         tree.root[0] = i
-        links[i, ABOVE] = -1
+        links[i, PARENT_NODE] = -1
         return
     while True:
         place[node, MOST_WIDTH] = max(place[node, MOST_WIDTH], half)
@@ -98,7 +98,7 @@ def plant_in_space(tree, i, x, y, z, half):
         child = links[node, side]
         if child < 0:
             links[node, side] = i
-            links[i, ABOVE] = node
+            links[i, PARENT_NODE] = node
             return
         node = np.int64(child)
 
@@ -113,7 +113,7 @@ def pull_from_space(tree, i):
         if child < 0:
             break
         leaf = np.int64(child)
-    up = np.int64(links[leaf, ABOVE])
+    up = np.int64(links[leaf, PARENT_NODE])
     if up < 0:
         tree.root[0] = -1
     else:
@@ -125,15 +125,15 @@ def pull_from_space(tree, i):
             links[leaf, k] = links[i, k]
         for k in range(2):
             if links[leaf, k] >= 0:
-                links[links[leaf, k], ABOVE] = leaf
-        above = links[leaf, ABOVE]
+                links[links[leaf, k], PARENT_NODE] = leaf
+        above = links[leaf, PARENT_NODE]
         if above < 0:
             tree.root[0] = leaf
         else:
             links[above, HIGH_CHILD if links[above, HIGH_CHILD] == i else LOW_CHILD] = leaf
         if up == i:
             up = leaf
-    links[i, ABOVE] = NOT_THERE
+    links[i, PARENT_NODE] = NOT_THERE
     settled = leaf == i  # whether all places that have changed are below
     while up >= 0:
         widest = place[up, OWN_WIDTH]
@@ -144,7 +144,7 @@ def pull_from_space(tree, i):
         if settled and up != leaf and widest == place[up, MOST_WIDTH]:
             break
         place[up, MOST_WIDTH] = widest
-        up = np.int64(links[up, ABOVE])
+        up = np.int64(links[up, PARENT_NODE])
 
 
 @lean

@@ -34,15 +34,19 @@ from ...base.heap import pop, push
 from ...base.jit import apart, inline, lean
 from ...geometry.triangle_pairs import side
 from ...predicates.kernels import insphere
-from .classical_open import CELLS_MADE, FACES_ALIVE, close_cell, has_space
+from .classical_open import FACES_ALIVE, TETRAHEDRA_MADE, close_cell, has_space
 from .classical_signs import CELL_FREE, cell_fault, set_cell
 from .classical_steps import NO_CELL
 from .classical_tree import gather_in_space
 
-__all__ = ["APEX_COUNTS", "HIDDEN_APEXES", "ON_SPHERE", "start_in_age", "wrap_in_space"]
+__all__ = ["APEX_COUNTS", "HIDDEN_APEXES", "OTHERS_ON_SPHERE", "start_in_age", "wrap_in_space"]
 
-ON_SPHERE, HIDDEN_APEXES, APEX_COUNTS = range(3)
-FIRST_CENTER, CENTER_GROWTH, FAR_CENTER = 1.0, 8.0, 4000.0  # of spheres that are searched; in circumradii
+OTHERS_ON_SPHERE, HIDDEN_APEXES, APEX_COUNTS = range(3)
+FIRST_CENTER, CENTER_GROWTH, FARTHEST_CENTER = (
+    1.0,
+    8.0,
+    4000.0,
+)  # of spheres that are searched; in circumradii
 
 
 @apart
@@ -115,10 +119,10 @@ def circle_of(xyz, cell, place):
 def gather_ahead(front, radius, k, candidates):
     """The vertices ahead of the face in the sphere with its center ``k`` radii ahead; return how many.
 
-    Others just outside may be among them. From `FAR_CENTER` on, all that are ahead.
+    Others just outside may be among them. From `FARTHEST_CENTER` on, all that are ahead.
     """
     xyz, cell, found, place = front.xyz, front.cell, front.vertices.found, front.corners
-    everything = not k < FAR_CENTER
+    everything = not k < FARTHEST_CENTER
     x = y = z = 0.0
     r = 1.0
     if not everything:
@@ -184,12 +188,12 @@ def apex_by_sphere(front, row, candidates, counts):
     set_cell(front, row, front.corner[row, 0])
     radius, k = circle_of(front.xyz, front.cell, front.corners), FIRST_CENTER
     if radius == inf:
-        k = FAR_CENTER
+        k = FARTHEST_CENTER
     while True:
         hidden = counts[HIDDEN_APEXES]
         count = gather_ahead(front, radius, k, candidates)
         v, count = first_visible(front, row, candidates, count, counts)
-        if not k < FAR_CENTER or (v >= 0 and is_within(front, radius, k, v)):
+        if not k < FARTHEST_CENTER or (v >= 0 and is_within(front, radius, k, v)):
             return v, v >= 0 and has_tie(front, v, candidates, count)
         counts[HIDDEN_APEXES] = hidden  # each is counted once
         k *= CENTER_GROWTH
@@ -221,7 +225,7 @@ def wrap_in_space(front, waiting, ties, counts, limit):
     for _ in range(limit):
         if not has_space(front) or waiting.many[0] + 8 > len(waiting.keys):
             return ROOM
-        if front.state[CELLS_MADE] >= len(ties):
+        if front.state[TETRAHEDRA_MADE] >= len(ties):
             return ROOM
         row = np.int64(-1)
         while row < 0 and waiting.many[0] > 0:
@@ -234,8 +238,8 @@ def wrap_in_space(front, waiting, ties, counts, limit):
         v, tied = apex_by_sphere(front, row, waiting.candidates, counts)
         if v < 0:
             continue
-        ties[front.state[CELLS_MADE]] = tied
-        counts[ON_SPHERE] += tied
+        ties[front.state[TETRAHEDRA_MADE]] = tied
+        counts[OTHERS_ON_SPHERE] += tied
         close_cell(front, row, v, waiting.rows)
         for j in range(3):
             if waiting.rows[j] >= 0:

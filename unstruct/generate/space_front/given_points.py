@@ -23,7 +23,7 @@ from ...predicates.batch import in_sphere, unscaled
 from ..volume.filling import filled
 from . import empty_sphere as k
 from .classical_mesh import mesh_of_body, quality_in_space
-from .classical_open import CELLS_MADE, POINTS_THERE, SpaceFront, larger_space_front
+from .classical_open import POINTS_THERE, TETRAHEDRA_MADE, SpaceFront, larger_space_front
 from .classical_rest import completed
 from .classical_run import SpaceRun, body_faces, scaled_front
 from .classical_steps import NO_CELL, SpaceWaiting
@@ -31,7 +31,7 @@ from .classical_steps import NO_CELL, SpaceWaiting
 __all__ = ["given_points_in_space"]
 
 WRAPPED_A_CALL = 2_000  # cells, a fraction of a second: Ctrl-C works between calls
-NO_APEX = "no apex: no vertex of the front fits to a face, so recovery filled what is left"
+WITHOUT_APEX = "no apex: no vertex of the front fits to a face, so recovery filled what is left"
 NOT_EMPTY = "not Delaunay: a vertex in its sphere is seen through a face"
 
 
@@ -104,7 +104,8 @@ def given_points_in_space(
     steps = None
     if history and counts["taken back"] == 0:
         steps = {"face": run.cells[:, :3].copy(), "apex": run.cells[:, 3].copy(), "cospherical": ties}
-    account: dict[str, Any] = {"counts": counts, "steps": steps}
+    missing = {"missing segments": 0, "missing triangles": 0}
+    account: dict[str, Any] = {"counts": counts | missing, "steps": steps}
     mesh = mesh_of_body(domain, None, found.points, found.cells, **account)
     mesh.figures = quality_in_space(mesh)
     return _judged(mesh, found.by_front)
@@ -146,17 +147,17 @@ def _wrapped(front: SpaceFront, bar: Any) -> tuple[SpaceFront, NDArray[np.bool_]
     waiting = _waiting(front, None)
     k.start_in_age(front, waiting)
     while True:
-        before = int(front.state[CELLS_MADE])
+        before = int(front.state[TETRAHEDRA_MADE])
         code = k.wrap_in_space(front, waiting, ties, counts, WRAPPED_A_CALL)
-        bar.update(int(front.state[CELLS_MADE]) - before)
+        bar.update(int(front.state[TETRAHEDRA_MADE]) - before)
         if code in (DONE, NO_CELL):
             break
         if code == ROOM:
             front = larger_space_front(front)
             waiting, ties = _waiting(front, waiting), grown(ties, len(front.made))
-    m = int(front.state[CELLS_MADE])
+    m = int(front.state[TETRAHEDRA_MADE])
     names = {
-        "cells": m, "cospherical": int(counts[k.ON_SPHERE]), "hidden": int(counts[k.HIDDEN_APEXES]),
+        "cells": m, "cospherical": int(counts[k.OTHERS_ON_SPHERE]), "hidden": int(counts[k.HIDDEN_APEXES]),
     }  # fmt: skip
     return front, ties[:m].copy(), names
 
@@ -177,7 +178,7 @@ def _as_run(front: SpaceFront, factor: float, counts: dict[str, int]) -> SpaceRu
     """What the front has made, as the filling of rests wants it."""
     alive = np.flatnonzero(front.stamp >= 0)
     alive = alive[np.argsort(front.stamp[alive])]
-    m, n = int(front.state[CELLS_MADE]), int(front.state[POINTS_THERE])
+    m, n = int(front.state[TETRAHEDRA_MADE]), int(front.state[POINTS_THERE])
     return SpaceRun(
         unscaled(front.xyz[:n], factor), front.made[:m].copy(), front.corner[alive].astype(np.int64),
         front.region[alive].astype(np.int64), counts, None, False,
@@ -193,9 +194,9 @@ def _judged(mesh: DomainMesh, by_front: int) -> DomainMesh:
     free = ~np.isin(group[len(mesh.faces) :], group[: len(mesh.faces)])
     t, u = t[free], rows[t[free], j[free]]
     back = (rows[u] == t[:, None]).argmax(axis=1)
-    wrong = in_sphere(mesh.points[cells[t]], mesh.points[cells[u, back]]) > 0
+    wrong = np.asarray(in_sphere(mesh.points[cells[t]], mesh.points[cells[u, back]])) > 0
     why = {one: NOT_EMPTY for one in np.concatenate([t[wrong], u[wrong]]).tolist()}
-    why |= {one: NO_APEX for one in range(by_front, len(cells))}
+    why |= {one: WITHOUT_APEX for one in range(by_front, len(cells))}
     mesh.counts = {**mesh.counts, "not Delaunay": int(wrong.sum())}
     listed = sorted(why)
     mesh.unrefined = np.array(listed, dtype=np.int32)

@@ -173,9 +173,7 @@ class SpaceFrontRun:
         except (TypeError, ValueError):
             x = np.empty(0)
         if x.shape != (3,) or not np.isfinite(x).all():
-            raise InputError(
-                f"placement returned {point!r} for {where}; return a point (x, y, z) or None"
-            )
+            raise InputError(f"placement returned {point!r} for {where}; return a point (x, y, z) or None")
         return x * cells.factor
 
     # ------------------------------------------------------------------ results
