@@ -1,8 +1,8 @@
 """The advancing front over the tetrahedralization of what is not meshed yet, compiled.
 
-Cells inside the body are *accepted*, that is, finished, or not. The *front* consists of all faces between the
-two kinds and of all faces of facets that still have an unfinished side. Faces of the front are marked as those
-of facets are, so that no cavity crosses them: what has been accepted stays.
+Cells inside the body are *accepted*, that is, finished, or not. The *front* consists of all faces between
+the two kinds and of all faces of facets that still have an unfinished side. Faces of the front are marked as
+those of facets are, so that no cavity crosses them: what has been accepted stays.
 
 A step takes a face ABC of the front, with the unfinished cell t ahead of it. It accepts t, or inserts the
 ideal point X among what is not finished and accepts ABCX.
@@ -148,9 +148,9 @@ def choose_ahead(march, counts, face, answer, out):
 
 @inline
 def last_resort(march, counts, face, out):
-    """Write the circumcenter of a cell that was set aside as the next vertex, and judge it: an outcome, h, R^2.
+    """Write the circumcenter of a cell that was set aside as the next vertex, and judge it.
 
-    A small cell needs no point.
+    Returns an outcome, h and R^2. A small cell needs no point.
     """
     solid, xyz, p = march.solid, march.solid.xyz, counts[book.VERTICES_USED]
     square, _, _ = cell_center(xyz, solid.vertex, face >> 2, out)
