@@ -131,8 +131,8 @@ def isosurface_stuffing(
     places at which it is asked. Each vertex of the lattice is asked once, in calls of up to 262,144 points.
 
     O(n log n) for n leaves. Source: F. Labelle, J. R. Shewchuk, *Isosurface stuffing: fast tetrahedral meshes
-    with good dihedral angles*, ACM Trans. Graph. 26(3), 2007; the shares of edges within which vertices are
-    moved are our own. Book: 4c.
+    with good dihedral angles*, ACM Trans. Graph. 26(3), 2007: the stencils and the parity rule are theirs. Of
+    the shares of edges within which vertices move, those with the largest least angle are taken. Book: 4c.
     """
     field, budget = as_size(size), as_count(budget, "budget")
     graded, progress, cap = as_flag(graded, "graded"), as_flag(progress, "progress"), as_flag(cap, "cap")
