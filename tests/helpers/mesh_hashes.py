@@ -147,16 +147,8 @@ def prismatic_layers() -> Arrays:
 @case
 def several_rays() -> Arrays:
     """Around a sharp rim: hexahedra up to a cap with quadrilaterals, tetrahedra, and pyramids in a box."""
-    rim = [
-        (4.0, 0.0),
-        (3.0, 3.0),
-        (0.0, 4.0),
-        (-3.0, 3.0),
-        (-4.0, 0.0),
-        (-3.0, -3.0),
-        (0.0, -4.0),
-        (3.0, -3.0),
-    ]
+    half = [(4.0, 0.0), (3.0, 3.0), (0.0, 4.0), (-3.0, 3.0)]
+    rim = half + [(-x, -y) for x, y in half]
     ends, k, many = [(0.0, 0.0, 0.5), (0.0, 0.0, -0.5)], np.arange(8), np.full(8, 8)
     over, under = np.column_stack([k, (k + 1) % 8, many]), np.column_stack([(k + 1) % 8, k, many + 1])
     body = Domain(np.array([(*p, 0.0) for p in rim] + ends), np.vstack([over, under]))

@@ -12,8 +12,8 @@ To divide the topmost hexahedra from points inside instead was measured: around 
 top layer of a quarter of an edge, the least scaled Jacobian of the parts is at most .19, wherever the points
 are, and of a fifteenth .018: all parts are as flat as the layer is. That of the pyramids is .81 and .28.
 
-A crease that ends where a vertex V can have only one ray VV' would need, between it and a vertex U with a fan,
-a cell with two quadrilaterals that share the edges UV and VV': as they meet in no third edge at V, its
+A crease that ends where a vertex V can have only one ray VV' would need, between it and a vertex U with a
+fan, a cell with two quadrilaterals that share the edges UV and VV': as they meet in no third edge at V, its
 Jacobian is zero there. If the cells beside are divided so that these quadrilaterals are triangles, there can
 be tetrahedra in its place; but each has a triangle of which one side is as short as the first layer is high,
 and two are as long as the edge. At 16 degrees, with five rays and a first layer of a fiftieth of the edge,

@@ -128,9 +128,9 @@ def prismatic_layers(
         each reason, "collapsed" (columns without cells; without a size also those beside rays of no height,
         which are left out), "rounds" of lowering; with ``several`` "hexahedra", "creases with fans" and
         "creases with one ray" (sharp convex ones). ``figures``: "share of full heights", "least scaled
-        Jacobian" (of wedges and hexahedra, before any are cut); with a size "jump of volume at the cap, median" (the volume of
-        the tetrahedron beyond over that of the cell below) and "..., largest" (up or down), "least dihedral
-        angle beyond".
+        Jacobian" (of wedges and hexahedra, before any are cut); with a size "jump of volume at the cap,
+        median" (the volume of the tetrahedron beyond over that of the cell below) and "..., largest" (up or
+        down), "least dihedral angle beyond".
 
     Raises
     ------
