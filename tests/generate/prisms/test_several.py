@@ -19,6 +19,10 @@ from unstruct import (
     examples,
     prismatic_layers,
 )
+from unstruct.generate.prisms.prismatic_layers import layers_alone
+from unstruct.generate.prisms.run import PrismOptions
+from unstruct.generate.prisms.several import at_vertices, run_with_fans
+from unstruct.generate.prisms.walls import base_of
 
 LEAST = "least scaled Jacobian"
 LAYERS = Layers(first=0.01, growth=1.2, count=4)
@@ -177,6 +181,32 @@ def test_creases_that_end_in_planes(skew: float) -> None:
     assert better(body, side="inside", walls="bar")[1] > 0.29
     one, several = better(body, size=0.4, walls="bar", layers=Layers(thickness=0.25, growth=1.2, count=4))
     assert several > 1.5 * one
+
+
+@pytest.mark.parametrize("cells", ["wedge", "tetrahedron"])
+def test_what_is_compared_is_what_the_mesh_has(cells: str) -> None:
+    """Vertex by vertex, with fans and without."""
+    cube = examples.meshed_sides(Domain.box((0, 0, 0), (1, 1, 1)), 0.25)
+    layers, base = Layers(first=0.2, growth=1.1, count=1 + (cells == "wedge")), base_of(cube, None, "outside")
+    found = run_with_fans(base, layers, PrismOptions(cells=cells))
+    assert found.fanned == 12 and len(found.run.fans.quads) and not len(found.without.fans.quads)
+    for run in (found.run, found.without):
+        mesh = layers_alone(run)
+        quality, expected = mesh.quality("scaled_jacobian"), np.full(len(cube.points), np.inf)
+        steps = mesh.steps
+        assert steps is not None
+        stem = np.full(len(mesh.points), -1)
+        for k in range(run.levels + 1):
+            at = {tuple(p): v for v, p in enumerate(mesh.points.tolist())}
+            stem[[at[tuple(p)] for p in run.places[k].tolist()]] = run.fans.base
+        rows = [row for block in mesh.cells.values() for row in block.tolist()]
+        for row, value in zip(rows, quality.tolist(), strict=True):
+            np.minimum.at(expected, stem[row], value)
+        least_at = at_vertices(run)  # tetrahedra count at all vertices of the cell that they are a part of
+        assert least_at.min() == pytest.approx(expected.min(), rel=1e-12)
+        assert (least_at <= expected * (1.0 + 1e-12)).all()
+        if cells == "wedge":
+            np.testing.assert_allclose(least_at, expected, rtol=1e-12)
 
 
 def in_a_box(surface: Mesh | Domain, half: float = 2.0) -> tuple[Domain, list[int]]:

@@ -234,7 +234,8 @@ class PrismRun:
         """Those of some columns, by their place, with a cell, or a part of one, that is not positive."""
         found = bad(self.places, self.columns[rows], level)
         if self._in_simplices:
-            turned = np.flatnonzero(twisted(self.places, self.columns[rows], level))
+            base = self.fans.base if len(self.fans.quads) else None
+            turned = np.flatnonzero(twisted(self.places, self.columns[rows], level, base))
             found = np.union1d(found, turned)
         return found
 

@@ -124,7 +124,8 @@ def at_columns(run: PrismRun) -> Array:
     rays, columns = run.places.shape[1], run.columns[whole]
     for k in range(run.levels if len(whole) else 0):
         points = run.places[k : k + 2].reshape(-1, 3)
-        rows, owner = tetrahedra({"wedge": np.column_stack([columns, columns + rays])})
+        low = columns if k else run.fans.base[columns]  # the first ray of a vertex has its number
+        rows, owner = tetrahedra({"wedge": np.column_stack([low, columns + rays])})
         np.minimum.at(least, whole[owner], simplex.quality("scaled_jacobian", points[rows]))
     return least
 
