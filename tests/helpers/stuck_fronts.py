@@ -1,8 +1,9 @@
 """How often and why the classical front in space sticks, over many random bodies.
 
 ``python stuck_fronts.py --kind noisy --first 0 --count 300`` meshes them and prints sums: bodies whose front
-stuck, cells, rests by their numbers of faces and vertices, what filled them, and meshes that are "wrong". Kinds: those of
-`random_bodies`, and ``cube`` (random diagonals), ``torus``, ``star`` (twisted prisms) of `solids`.
+stuck, cells, rests by their numbers of faces and vertices, what filled them, and meshes that are "wrong".
+Kinds: those of `random_bodies`, and ``cube`` (random diagonals), ``torus``, ``star`` (twisted prisms) of
+`solids`.
 """
 
 from __future__ import annotations
