@@ -107,11 +107,13 @@ def _fronts() -> None:
 
 
 def _fronts_in_space() -> None:
-    box, points = unstruct.Domain.box([0, 0, 0], [1, 1, 1]), [[0.4, 0.5, 0.6], [0.5, 0.3, 0.4]]
-    unstruct.advancing_front(box, 0.5, method="classical")
-    unstruct.advancing_front(box, _grid, method="classical", finish=False)
+    body = unstruct.Domain.box((0, 0, 0), (1, 1, 1))
+    unstruct.advancing_front(body, 0.6, method="classical")
+    unstruct.advancing_front(body, _grid, method="classical", finish=False)
     unstruct.advancing_front(unstruct.examples.stuck_body(), 2.0, method="classical", finish=False)
-    unstruct.front_delaunay(box, points)
+    unstruct.front_delaunay(body, [[0.4, 0.5, 0.6], [0.5, 0.3, 0.4]])
+    unstruct.advancing_front(body, 0.6)
+    unstruct.advancing_front(body, _grid, history=True)
 
 
 def _metrics() -> None:
@@ -170,7 +172,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "points in bodies": _body_points,
     "Voronoi segments": _segments,
     "advancing fronts": _fronts,
-    "classical fronts in space": _fronts_in_space,
+    "advancing fronts in space": _fronts_in_space,
     "metrics": _metrics,
     "insertion": _insert,
     "gift wrapping": _gift_wrap,

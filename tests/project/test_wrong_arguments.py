@@ -81,6 +81,7 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
         "classical front in space": (u.advancing_front, (BOX, 0.6), {"method": "classical"}),
         "front_delaunay in space": (u.front_delaunay, (BOX, [[0.4, 0.5, 0.3]]), {}),
         "stuck_body": (u.examples.stuck_body, (), {"name": "convex"}),
+        "front in space": (u.advancing_front, (u.Domain.box(), 0.6), {}),
         "front in a metric": (u.advancing_front, (SQUARE, sizing.directional((1.0, 0.0), 0.3, 0.2)), {}),
         "front_delaunay": (u.front_delaunay, (SQUARE, 0.3), {}),
         "advancing_layers": (u.advancing_layers, (SQUARE, 0.2), {"layers": LAYERS, "walls": ["a"]}),
