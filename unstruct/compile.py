@@ -108,6 +108,10 @@ def _fronts() -> None:
 
 def _fronts_in_space() -> None:
     body = unstruct.Domain.box((0, 0, 0), (1, 1, 1))
+    unstruct.advancing_front(body, 0.6, method="classical")
+    unstruct.advancing_front(body, _grid, method="classical", finish=False)
+    unstruct.advancing_front(unstruct.examples.stuck_body(), 2.0, method="classical", finish=False)
+    unstruct.front_delaunay(body, [[0.4, 0.5, 0.6], [0.5, 0.3, 0.4]])
     unstruct.advancing_front(body, 0.6)
     unstruct.advancing_front(body, _grid, history=True)
 

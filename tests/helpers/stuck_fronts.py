@@ -1,8 +1,9 @@
 """How often and why the classical front in space sticks, over many random bodies.
 
 ``python stuck_fronts.py --kind noisy --first 0 --count 300`` meshes them and prints sums: bodies whose front
-stuck, cells, rests by their numbers of faces and vertices, what filled them, and meshes that are "wrong". Kinds: those of
-`random_bodies`, and ``cube`` (random diagonals), ``torus``, ``star`` (twisted prisms) of `solids`.
+stuck, cells, rests by their numbers of faces and vertices, what filled them, and meshes that are "wrong".
+Kinds: those of `random_bodies`, and ``cube`` (random diagonals), ``torus``, ``star`` (twisted prisms) of
+`solids`, and ``hull`` (convex hulls of a few points of a lattice).
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import numpy as np
 from random_bodies import MAKERS
 from solids import cube, torus, twisted_star
 
-from unstruct import Domain, UnstructError, check
+from unstruct import Domain, UnstructError, check, delaunay
 from unstruct.generate.space_front.classical_mesh import mesh_of_body
 from unstruct.generate.space_front.classical_rest import completed, rests_of
 from unstruct.generate.space_front.classical_run import body_faces, marched_in_space
@@ -29,6 +30,11 @@ def solid(kind: str, seed: int) -> tuple[np.ndarray, np.ndarray]:
     rng = np.random.default_rng(seed)
     if kind == "cube":
         return cube(int(rng.integers(2, 7)), seed)
+    if kind == "hull":
+        rows = np.unique(rng.integers(0, 5, (int(rng.integers(6, 17)), 3)).astype(float), axis=0)
+        faces = delaunay(rows).convex_hull
+        used = np.unique(faces)
+        return rows[used], np.searchsorted(used, faces).astype(np.int32)
     if kind == "torus":
         return torus(int(rng.integers(5, 20)), int(rng.integers(4, 12)))
     return twisted_star(2 * int(rng.integers(2, 6)), int(rng.integers(1, 6)), float(rng.uniform(0.1, 0.9)))
@@ -37,8 +43,8 @@ def solid(kind: str, seed: int) -> tuple[np.ndarray, np.ndarray]:
 def bodies(kind: str, first: int, count: int) -> Iterator[tuple[int, Domain, float]]:
     """Bodies by seeds with the mean length of their edges; those that are refused are left out."""
     for seed in range(first, first + count):
-        points, triangles = MAKERS[kind](seed) if kind in MAKERS else solid(kind, seed)
         try:
+            points, triangles = MAKERS[kind](seed) if kind in MAKERS else solid(kind, seed)
             domain = Domain(points, triangles)
         except UnstructError:
             continue

@@ -59,7 +59,7 @@ def stuck_body(name: str = "convex") -> Domain:
     -----
     Source of the prism: E. Schönhardt, Mathematische Annalen 98 (1928) 309-312. Book: 3.5.
     """
-    if name not in STUCK_BODIES:
+    if not isinstance(name, str) or name not in STUCK_BODIES:
         raise InputError(f"name = {name!r} must be one of {', '.join(map(repr, STUCK_BODIES))}")
     points, facets = STUCK_BODIES[name]
     return Domain(np.array(points, dtype=float), facets)

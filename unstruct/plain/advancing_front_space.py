@@ -8,7 +8,7 @@ are tried in the order of their distance from M. The first one that passes all t
 changes by the symmetric difference with the faces of the tetrahedron.
 
 In space a valid vertex need not exist, even if all are tried: so a face is put aside, at first for flatter
-cells and a point half as high, then for the roundest valid cell with any vertex. If no face has one, the
+cells and a point half as high, then for any valid cell. If no face has one, the
 front is *stuck*. *Theorem.* Then there is no tetrahedron abcd of vertices of the front, on any of its faces
 abc, that passes all tests, and what is left has no tetrahedralization without further vertices. *Proof.* A
 vertex that was refused stays refused: what the tetrahedron overlaps stays meshed, and whatever touches it
@@ -65,6 +65,7 @@ class FrontInSpace:
     loose: set[int] = field(default_factory=set)
     threads: frozenset[tuple[int, int]] = frozenset()
     stuck: set[Face] = field(default_factory=set)
+    refused: dict[Face, int] = field(default_factory=dict)  # up to which vertex none serves
     known: int = 0  # how many points there were when the first of these got stuck
 
     def vertices(self) -> set[int]:
@@ -239,6 +240,7 @@ def put_aside(front: FrontInSpace, face: Face) -> None:
     if not front.stuck:
         front.known = len(front.points)
     front.stuck.add(face)
+    front.refused[face] = len(front.points)
 
 
 def without_cell(front: FrontInSpace, cell: Cell) -> None:
@@ -278,14 +280,23 @@ def try_near(
 
 
 def try_all(front: FrontInSpace, face: Face, tests: Mapping[str, Test]) -> tuple[int | None, list[Attempt]]:
-    """Try all vertices of the front that are ahead of the face, the roundest cell first."""
-    m, tried = barycenter(front, face), []
-    ahead = [v for v in front.vertices() - set(face) if not is_behind_face(front, (*face, v))]
-    for v in sorted(ahead, key=lambda one: (-quality(front, (*face, one)), one)):
-        verdict = next((name for name, fails in tests.items() if fails(front, (*face, v))), "")
-        tried.append(Attempt(v, away(front.points[v], m), verdict))
-        if not verdict:
-            return v, tried
+    """Try all vertices ahead of the face that were not refused before.
+
+    They are tried in wider and wider cubes about M, in each those first whose cells are the roundest.
+    """
+    m, tried, new = barycenter(front, face), [], front.refused.get(face, 0)
+    rest = [v for v in front.vertices() - set(face) if v >= new]
+    rest = [v for v in rest if not is_behind_face(front, (*face, v))]
+    a, b, c = (front.points[v] for v in face)
+    radius = away(a, b) + away(b, c) + away(c, a)
+    while rest:
+        inside = [v for v in rest if all(abs(x - y) <= radius for x, y in zip(front.points[v], m))]
+        for v in sorted(inside, key=lambda one: (-quality(front, (*face, one)), one)):
+            verdict = next((name for name, fails in tests.items() if fails(front, (*face, v))), "")
+            tried.append(Attempt(v, away(front.points[v], m), verdict))
+            if not verdict:
+                return v, tried
+        rest, radius = [v for v in rest if v not in inside], 2 * radius
     return None, tried
 
 

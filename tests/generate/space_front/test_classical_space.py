@@ -105,7 +105,7 @@ def test_a_triangle_and_a_cell(points: list[tuple[int, int, int]], common: int) 
     assert meets_cell(xyz, np.array(cell, dtype=np.int64), *other) == expected
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=5, deadline=None)
 @given(CORNERS, st.integers(0, 10**6))
 def test_faults_of_a_hull(points: list[tuple[int, int, int]], seed: int) -> None:
     """All cells on all faces of a hull with loose points and a segment: the plain tests say the same."""

@@ -232,7 +232,7 @@ def _in_space(
         raise InputError("split_boundary = 'inner' is for the plane; in space it must be True or False")
     chosen = {"order": order, "placement": placement}
     if method == "classical":
-        if placement not in (None, "equal sides"):
+        if not (placement is None or (isinstance(placement, str) and placement == "equal sides")):
             raise InputError(f"placement = {placement!r} must be 'equal sides' for the classical method")
         chosen = {"order": order, "search": search}
     options |= {name: choice for name, choice in chosen.items() if choice is not None}

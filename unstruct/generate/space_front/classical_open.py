@@ -57,6 +57,7 @@ class SpaceFront(NamedTuple):
     region: NDArray[np.int32]  # the region ahead
     stamp: NDArray[np.int64]  # the number of the face in the order in which faces came; no two are the same
     level: NDArray[np.int8]  # how often it was put aside
+    refused: NDArray[np.int32]  # vertices with lower numbers have no valid cell with the face
     chain: NDArray[np.int32]  # the next row with the same lowest vertex, or the next free row
     first: NDArray[np.int32]  # for each vertex the first row of which it is the lowest, -1 for none
     around: NDArray[np.int32]  # for each vertex how many faces of the front it has
@@ -101,7 +102,8 @@ def new_space_front(
     state[FREE_FACE], state[POINTS_THERE] = -1, n
     front = SpaceFront(
         places, np.full((rows, 3), -1, dtype=np.int32), np.zeros(rows, dtype=np.int32),
-        np.full(rows, -1, dtype=np.int64), np.zeros(rows, dtype=np.int8), np.full(rows, -1, dtype=np.int32),
+        np.full(rows, -1, dtype=np.int64), np.zeros(rows, dtype=np.int8),
+        np.zeros(rows, dtype=np.int32), np.full(rows, -1, dtype=np.int32),
         np.full(capacity, -1, dtype=np.int32), np.zeros(capacity, dtype=np.int32),
         np.zeros(capacity, dtype=bool), new_space_tree(rows), new_space_tree(capacity),
         new_space_tree(len(threads) + 1), np.array(threads, dtype=np.int32).reshape(-1, 2), state,
@@ -132,8 +134,10 @@ def larger_space_front(front: SpaceFront) -> SpaceFront:
         return result
 
     return front._replace(
-        xyz=grown(front.xyz, n), corner=more(front.corner, rows, -1), region=more(front.region, rows, 0),
+        xyz=grown(front.xyz, n), corner=more(front.corner, rows, -1),
+        region=more(front.region, rows, 0),
         stamp=more(front.stamp, rows, -1), level=more(front.level, rows, 0),
+        refused=more(front.refused, rows, 0),
         chain=more(front.chain, rows, -1), first=more(front.first, n, -1), around=more(front.around, n, 0),
         loose=more(front.loose, n, 0), made=grown(front.made, made),
         faces=larger_space_tree(front.faces, rows) if rows > len(front.corner) else front.faces,
@@ -199,7 +203,7 @@ def enter_face(front, a, b, c, region):
         row = state[FACE_ROWS]
         state[FACE_ROWS] += 1
     front.corner[row, 0], front.corner[row, 1], front.corner[row, 2] = a, b, c
-    front.region[row], front.level[row] = region, 0
+    front.region[row], front.level[row], front.refused[row] = region, 0, 0
     front.stamp[row] = state[FACE_STAMP]
     state[FACE_STAMP] += 1
     state[FACES_ALIVE] += 1

@@ -175,7 +175,8 @@ def completed(body: BodyFaces, run: SpaceRun, *, seed: int = 0) -> Completed:
     points, cells = run.points, run.cells.astype(np.int64)
     own = np.ones(len(cells), dtype=bool)  # whether a cell is of the front
     faces, part, rests = run.left, run.part, 0
-    whole, failed = True, set()
+    whole = True
+    failed: set[bytes] = set()
     while len(faces):
         found = rests_of(points, faces, part, body, cells)
         rests = rests or len(found)

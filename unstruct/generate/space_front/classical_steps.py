@@ -263,28 +263,55 @@ def is_blocked(front, row):
 
 
 @apart
-def search_everywhere(front, waiting, journal, counts, row):
-    """The vertex of the front with the roundest valid cell, -1 for none. Vertices not ahead do not count."""
+def gather_ring(front, waiting, row, window):
+    """Put the vertices ahead of a face in a window that were not looked at into the heap; return how many.
+
+    The roundest cell comes first. The window is a center, and the radii of an inner and an outer cube.
+    """
     xyz, vertices, cell, count = front.xyz, front.vertices, front.cell, 0
-    for i in range(gather_in_space(vertices, (-1.0, -1.0, -1.0, 1.0, 1.0, 1.0))):
+    x, y, z, before, radius = window
+    everywhere = (x - radius, y - radius, z - radius, x + radius, y + radius, z + radius)
+    for i in range(gather_in_space(vertices, everywhere)):
         v = np.int64(vertices.found[i])
+        away = max(abs(xyz[v, 0] - x), abs(xyz[v, 1] - y), abs(xyz[v, 2] - z))
+        if v < front.refused[row] or away <= before or away > radius:
+            continue
         set_cell(front, row, v)
         if v != cell[0] and v != cell[1] and v != cell[2] and side(xyz, cell[0], cell[1], cell[2], v) > 0:
             count = put(waiting.measures, waiting.candidates, count, -roundness_of(xyz, cell), v)
+    return count
+
+
+@apart
+def search_everywhere(front, waiting, journal, counts, row):
+    """The first vertex with a valid cell, in wider and wider cubes about the barycenter, the roundest first.
+
+    -1 for none. Vertices that are not ahead do not count, nor those that were refused before.
+    """
+    xyz = front.xyz
+    a, b, c = np.int64(front.corner[row, 0]), np.int64(front.corner[row, 1]), np.int64(front.corner[row, 2])
+    x = (xyz[a, 0] + xyz[b, 0] + xyz[c, 0]) / 3.0
+    y = (xyz[a, 1] + xyz[b, 1] + xyz[c, 1]) / 3.0
+    z = (xyz[a, 2] + xyz[b, 2] + xyz[c, 2]) / 3.0
+    before, radius = -1.0, apart_by(xyz, a, b) + apart_by(xyz, b, c) + apart_by(xyz, c, a)
     one = two = np.int64(-1)  # faces that have been in the way are looked at first
-    while count > 0:
-        v = waiting.candidates[0]
-        count = take(waiting.measures, waiting.candidates, count)
-        set_cell(front, row, v)
-        verdict = CELL_CROSSED
-        if not (is_blocked(front, one) or is_blocked(front, two)):
-            verdict = cell_fault(front)
-            if verdict == CELL_CROSSED:
-                one, two = blocking_face(front), one
-        note_candidate(journal, counts, v, verdict)
-        if verdict == CELL_FREE:
-            return v
-    return np.int64(-1)
+    while True:
+        count = gather_ring(front, waiting, row, (x, y, z, before, radius))
+        while count > 0:
+            v = waiting.candidates[0]
+            count = take(waiting.measures, waiting.candidates, count)
+            set_cell(front, row, v)
+            verdict = CELL_CROSSED
+            if not (is_blocked(front, one) or is_blocked(front, two)):
+                verdict = cell_fault(front)
+                if verdict == CELL_CROSSED:
+                    one, two = blocking_face(front), one
+            note_candidate(journal, counts, v, verdict)
+            if verdict == CELL_FREE:
+                return v
+        if radius > 2.0:
+            return np.int64(-1)
+        before, radius = radius, 2.0 * radius
 
 
 @lean
@@ -319,6 +346,7 @@ def put_aside(front, choices, waiting, counts, row):
         return
     if waiting.many[1] == 0:
         waiting.many[2] = front.state[POINTS_THERE]
+    front.refused[row] = front.state[POINTS_THERE]
     waiting.stuck[waiting.many[1]] = front.stamp[row] * 4294967296 + row
     waiting.many[1] += 1
     counts[STUCK_FACES] += 1
