@@ -18,7 +18,7 @@ from solids import schoenhardt, torus, twisted_star
 
 import unstruct
 from unstruct import Domain, InputError, advancing_front, check, sizing
-from unstruct.generate.space_front.ledger import CELL_ACCEPT, APEX_ROOM
+from unstruct.generate.space_front.ledger import APEX_ROOM, CELL_ACCEPT
 from unstruct.generate.space_front.placing import LONGEST_LATERAL, SHORTEST_LATERAL
 from unstruct.generate.space_front.run import SPACE_ORDERS, SPACE_PLACEMENTS, SPACE_REASONS
 from unstruct.generate.space_front.steps import LEAST_VOLUME

@@ -30,7 +30,7 @@ from .placing import BY_CALLER, LONGEST_LATERAL, ideal_apex
 CALLER = 8  # how a call ended: a point is wanted from a function of the caller
 # Outcomes of a judgment. All but the first and the last are counted, in the order of `ledger`.
 APEX_FITS, NOT_SEEN, TOO_FLAT_ANGLE, VERTEX_NEAR, TOO_LOW, LACKS_SLOTS = range(6)
-UNDECIDED = -1  # in place of a reason
+NO_REASON = -1  # in place of a reason
 LEAST_VOLUME = 0.05  # six volumes of a cell with a new point, over the cube of the mean edge of its face
 APEX_LENS = 1.0  # a face is encroached upon where it is seen under 120 degrees, as `encroaches_face` has it
 
@@ -119,7 +119,7 @@ def try_apex(march, face, p, clearance, out):
 def choose_ahead(march, counts, face, answer, out):
     """What to accept for a face of the front without a new point, once the ideal point is known.
 
-    Returns the reason (`UNDECIDED` if the point is to be tried), h, the lateral edge, and the squared radius of
+    Returns the reason (`NO_REASON` if the point is to be tried), h, the lateral edge, and the squared radius of
     the cell ahead. The ideal point is vertex ``counts[VERTICES_USED]``.
     """
     solid, xyz, t = march.solid, march.solid.xyz, face >> 2
@@ -136,7 +136,7 @@ def choose_ahead(march, counts, face, answer, out):
         close = not answer[0] == answer[0]
         if not close:
             xyz[p, 0], xyz[p, 1], xyz[p, 2] = answer[0], answer[1], answer[2]
-    reason = UNDECIDED
+    reason = NO_REASON
     if square < (book.CELL_ACCEPT * REGULAR * min(h, side)) ** 2:
         reason = book.SMALL_CELL
     elif close:
@@ -231,8 +231,8 @@ def advance_in_space(march, diary, counts, ask, answer, out, limit):
         if p >= xyz.shape[0]:
             return ROOM
         tried = ask[1] if ask[0] >= 0 else 0
-        reason, face, near, h, square, failed = UNDECIDED, np.int64(-1), np.int64(-1), 0.0, 0.0, 0
-        while reason == UNDECIDED:
+        reason, face, near, h, square, failed = NO_REASON, np.int64(-1), np.int64(-1), 0.0, 0.0, 0
+        while reason == NO_REASON:
             answered = ask[0] >= 0
             face = np.int64(ask[0]) if answered else book.front_face(xyz, vertex, mark, t, tried)
             if face < 0:
@@ -242,7 +242,7 @@ def advance_in_space(march, diary, counts, ask, answer, out, limit):
                 return CALLER
             reason, h, side, square = choose_ahead(march, counts, face, answer, out)
             near = np.int64(-1)
-            if reason == UNDECIDED:
+            if reason == NO_REASON:
                 outcome, near = try_apex(march, face, p, book.APEX_ROOM * min(h, side), out)
                 if outcome == LACKS_SLOTS:
                     return ROOM
@@ -255,7 +255,7 @@ def advance_in_space(march, diary, counts, ask, answer, out, limit):
             ask[0] = -1
             tried |= 1 << (face & 3)
         row = p
-        if reason == UNDECIDED and not book.cell_aside(march, counts, t):
+        if reason == NO_REASON and not book.cell_aside(march, counts, t):
             face = book.front_face(xyz, vertex, mark, t, 0)
             outcome, h, square = last_resort(march, counts, face, out)
             if outcome == LACKS_SLOTS:
@@ -265,7 +265,7 @@ def advance_in_space(march, diary, counts, ask, answer, out, limit):
                 face, reason, row = book.put_apex(march, counts, out, p, face), book.CENTER_APEX, p
         for outcome in range(NOT_SEEN, LACKS_SLOTS):
             counts[book.CELLS_ASIDE + outcome] += failed >> 8 * outcome & 255
-        if reason != UNDECIDED:
+        if reason != NO_REASON:
             write_row(diary, counts[book.CELLS_DONE], xyz, row, h, square, near)
             end_step(march, diary, counts, face, reason, out)
     return MORE
