@@ -119,7 +119,7 @@ def try_apex(march, face, p, clearance, out):
 def choose_ahead(march, counts, face, answer, out):
     """What to accept for a face of the front without a new point, once the ideal point is known.
 
-    Returns the reason (`NO_REASON` if the point is to be tried), h, the lateral edge, and the squared radius of
+    Returns the reason (`NO_REASON` if the point is to be tried), h, the lateral edge, and R^2 of
     the cell ahead. The ideal point is vertex ``counts[VERTICES_USED]``.
     """
     solid, xyz, t = march.solid, march.solid.xyz, face >> 2
