@@ -18,7 +18,7 @@ from solids import schoenhardt, torus, twisted_star
 
 import unstruct
 from unstruct import Domain, InputError, advancing_front, check, sizing
-from unstruct.generate.space_front.ledger import CELL_ACCEPT, ROOM_AROUND
+from unstruct.generate.space_front.ledger import APEX_ROOM, CELL_ACCEPT
 from unstruct.generate.space_front.placing import LONGEST_LATERAL, SHORTEST_LATERAL
 from unstruct.generate.space_front.run import SPACE_ORDERS, SPACE_PLACEMENTS, SPACE_REASONS
 from unstruct.generate.space_front.steps import LEAST_VOLUME
@@ -192,7 +192,7 @@ def test_record(shape: str, placement: str) -> None:
         if reason in ("new point", "circumcenter"):
             assert apex not in seen and np.allclose(x[apex], ideal, rtol=0, atol=1e-15)
             away = np.linalg.norm(corners - x[apex], axis=1)
-            assert away.min() >= ROOM_AROUND * min(h, side) * (1 - 1e-9)
+            assert away.min() >= APEX_ROOM * min(h, side) * (1 - 1e-9)
             assert float(six_volumes(x[[a, b, c, apex]])) >= LEAST_VOLUME * mean**3 * (1 - 1e-9)
             assert steps["radius"][i] >= small * (1 - 1e-9)
         elif reason in ("small enough", "closed"):
@@ -204,7 +204,7 @@ def test_record(shape: str, placement: str) -> None:
                 assert sum(bool(one) for one in there) >= 3
         elif reason == "near apex":
             assert steps["near"][i] == apex
-            assert np.linalg.norm(ideal - x[apex]) < ROOM_AROUND * min(h, side) * (1 + 1e-9)
+            assert np.linalg.norm(ideal - x[apex]) < APEX_ROOM * min(h, side) * (1 + 1e-9)
         elif reason == "empty sphere":
             edges = x[[b, c, apex]] - x[a]
             center = x[a] + np.linalg.solve(2 * edges, (edges**2).sum(axis=1))

@@ -26,7 +26,7 @@ from .run import SPACE_ORDERS, SPACE_PLACEMENTS, SpaceFrontRun, SpacePlacement
 
 __all__ = ["space_front"]
 
-TOO_LARGE = "too large: no room for a point"
+NO_ROOM_FOR_POINT = "too large: no room for a point"
 EDGES_OF_CELL = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
 
 
@@ -92,7 +92,7 @@ def _finished(mesh: DomainMesh, field: SizeField, finish: bool, progress: bool) 
     """The mesh after the finishing pass if it is wanted, with what is too large."""
     better = improve(mesh, progress=progress) if finish else mesh
     large = _too_large(better, field)
-    better.unrefined, better.reasons = large, np.full(len(large), TOO_LARGE)
+    better.unrefined, better.reasons = large, np.full(len(large), NO_ROOM_FOR_POINT)
     better.complete, better.steps = len(large) == 0, mesh.steps
     return better
 

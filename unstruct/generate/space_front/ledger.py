@@ -29,12 +29,12 @@ WIDEST_CELL, SMALLEST_SIZE, SMALLEST_FACE, OLDEST_FACE = range(4)
 NEW_APEX, SMALL_CELL, EMPTY_SPHERE, NEAR_APEX, AT_DIHEDRAL, CLOSED_CELL, CENTER_APEX, FORCED_CELL = range(8)
 # Further counts: cells set aside, and ideal points that were not possible; then cells and vertices so far.
 CELLS_ASIDE, APEX_OUTSIDE, APEX_ENCROACHES, APEX_NEAR, APEX_FLAT = range(8, 13)
-CELLS_MADE, VERTICES_USED, SPACE_COUNTS = 13, 14, 15
+CELLS_DONE, VERTICES_USED, SPACE_COUNTS = 13, 14, 15
 LAST_BUCKET = 0  # of cells that are set aside: it is served when all others are empty
 FRONT_MARK = 2**30  # the mark of faces of the front that are on no facet
 
 CELL_ACCEPT = 1.1  # a cell ahead with R < CELL_ACCEPT f is accepted as it is
-ROOM_AROUND = 0.75  # times the wanted length: no point nearer than that to a vertex
+APEX_ROOM = 0.75  # times the wanted length: no point nearer than that to a vertex
 FACES_TO_CLOSE = 3  # so many faces at the front, and a small cell is accepted at once
 
 
@@ -152,13 +152,13 @@ def accept_cell(march, diary, counts, face, reason):
     if links[t, STATUS] >= 0:
         unlink(links, march.gates, t, ACCEPTED)
     links[t, STATUS] = ACCEPTED
-    row = counts[CELLS_MADE]
+    row = counts[CELLS_DONE]
     diary.slots[row] = t
     if len(diary.log) > 0:
         for i in range(3):
             diary.log[row, i] = solid.vertex[4 * t + corner(face & 3, i)]
         diary.log[row, 3], diary.log[row, 4] = solid.vertex[face], reason
-    counts[CELLS_MADE] += 1
+    counts[CELLS_DONE] += 1
     counts[reason] += 1
 
 

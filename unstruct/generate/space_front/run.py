@@ -34,7 +34,7 @@ SPACE_REASONS = (
 )  # fmt: skip
 SPACE_COUNT_NAMES = (*SPACE_REASONS, "set aside", "outside", "encroaching", "collisions", "flat")
 CELL_WIDTHS, CELL_LENGTHS = 13, 97  # buckets for R / f, and for sizes and areas; one is for cells aside
-STEPS_A_TURN = 5000  # steps of one kernel call, some hundredths of a second: Ctrl-C works between
+SPACE_STEPS_A_CALL = 5000  # steps of one kernel call, some hundredths of a second: Ctrl-C works between
 SPARE_CELLS = 1 << 12  # slots beyond half as many again
 
 
@@ -121,7 +121,7 @@ class SpaceFrontRun:
         k.start_in_space(self.marching(), inside[at_surface].astype(np.int32), self.out)
         while True:
             before = int(self.counts[book.VERTICES_USED])
-            limit = min(STEPS_A_TURN, self.first + budget - before)
+            limit = min(SPACE_STEPS_A_CALL, self.first + budget - before)
             if limit <= 0:
                 self.spent = True
                 break
@@ -183,7 +183,7 @@ class SpaceFrontRun:
         cells, made = self.cells, self.cells.inside()
         slots = cells.inside_slots()
         undone = slots[self.links[slots, STATUS] != ACCEPTED]
-        number = np.searchsorted(slots, np.append(self.diary.slots[: self.counts[book.CELLS_MADE]], undone))
+        number = np.searchsorted(slots, np.append(self.diary.slots[: self.counts[book.CELLS_DONE]], undone))
         place = np.full(len(slots) + 1, -1, dtype=np.int32)
         place[number] = np.arange(len(number), dtype=np.int32)
         made = made._replace(
@@ -199,7 +199,7 @@ class SpaceFrontRun:
 
     def _steps(self, vertex: NDArray[np.int32]) -> dict[str, NDArray]:
         """The record by columns; see `advancing_front`."""
-        made = int(self.counts[book.CELLS_MADE])
+        made = int(self.counts[book.CELLS_DONE])
         place = np.full(self.cells.size + 1, -1, dtype=np.int32)
         place[vertex] = np.arange(len(vertex), dtype=np.int32)
         log, numbers = self.diary.log[:made], self.diary.numbers[:made] / self.cells.factor

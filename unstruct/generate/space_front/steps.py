@@ -29,10 +29,10 @@ from .placing import BY_CALLER, LONGEST_LATERAL, ideal_apex
 
 CALLER = 8  # how a call ended: a point is wanted from a function of the caller
 # Outcomes of a judgment. All but the first and the last are counted, in the order of `ledger`.
-APEX_FITS, NOT_SEEN, TOO_FLAT_ANGLE, TOO_NEAR, TOO_LOW, NO_SLOTS = range(6)
-NOTHING = -1  # in place of a reason
+APEX_FITS, NOT_SEEN, TOO_FLAT_ANGLE, VERTEX_NEAR, TOO_LOW, LACKS_SLOTS = range(6)
+NO_REASON = -1  # in place of a reason
 LEAST_VOLUME = 0.05  # six volumes of a cell with a new point, over the cube of the mean edge of its face
-LENS = 1.0  # a face is encroached upon where it is seen under 120 degrees, as `encroaches_face` has it
+APEX_LENS = 1.0  # a face is encroached upon where it is seen under 120 degrees, as `encroaches_face` has it
 
 
 @inline
@@ -62,7 +62,7 @@ def judge_ahead(xyz, vertex, mark, face, p, clearance, out):
         if square < near:
             nearest, near = np.int64(vertex[t + i]), square
     if nearest >= 0:
-        return TOO_NEAR, nearest
+        return VERTEX_NEAR, nearest
     for i in range(4):
         if mark[t + i] >= 0 and i != k:
             a = vertex[t + corner(i, 0)]
@@ -72,7 +72,7 @@ def judge_ahead(xyz, vertex, mark, face, p, clearance, out):
                 height += (xyz[p, j] - xyz[a, j]) * out[3 + j]
             if height <= 0.0:
                 return NOT_SEEN, nearest
-            if encroaches_face(xyz, out, square, p, LENS):
+            if encroaches_face(xyz, out, square, p, APEX_LENS):
                 return TOO_FLAT_ANGLE, nearest
     return APEX_FITS, nearest
 
@@ -90,15 +90,15 @@ def judge_star(solid, star, face, p, clearance, out):
             if j != wall & 3 and square < near:
                 nearest, near = np.int64(v), square
     if nearest >= 0:
-        return TOO_NEAR, nearest
+        return VERTEX_NEAR, nearest
     for i in range(star.sizes[STAR_WALLS]):
         wall = np.int64(star.walls[i])
         if solid.mark[wall] >= 0 and wall != face:
             t, k = wall & ~3, wall & 3
             a, b, c = vertex[t + corner(k, 0)], vertex[t + corner(k, 1)], vertex[t + corner(k, 2)]
-            if encroaches_face(xyz, out, face_center(xyz, a, b, c, out), p, LENS):
+            if encroaches_face(xyz, out, face_center(xyz, a, b, c, out), p, APEX_LENS):
                 return TOO_FLAT_ANGLE, nearest
-    return APEX_FITS if room_for_star(solid, star) else NO_SLOTS, nearest
+    return APEX_FITS if room_for_star(solid, star) else LACKS_SLOTS, nearest
 
 
 @inline
@@ -119,7 +119,7 @@ def try_apex(march, face, p, clearance, out):
 def choose_ahead(march, counts, face, answer, out):
     """What to accept for a face of the front without a new point, once the ideal point is known.
 
-    Returns the reason (`NOTHING` if the point is to be tried), h, the lateral edge, and the squared radius of
+    Returns the reason (`NO_REASON` if the point is to be tried), h, the lateral edge, and R^2 of
     the cell ahead. The ideal point is vertex ``counts[VERTICES_USED]``.
     """
     solid, xyz, t = march.solid, march.solid.xyz, face >> 2
@@ -136,7 +136,7 @@ def choose_ahead(march, counts, face, answer, out):
         close = not answer[0] == answer[0]
         if not close:
             xyz[p, 0], xyz[p, 1], xyz[p, 2] = answer[0], answer[1], answer[2]
-    reason = NOTHING
+    reason = NO_REASON
     if square < (book.CELL_ACCEPT * REGULAR * min(h, side)) ** 2:
         reason = book.SMALL_CELL
     elif close:
@@ -156,9 +156,9 @@ def last_resort(march, counts, face, out):
     square, _, _ = cell_center(xyz, solid.vertex, face >> 2, out)
     h = book.size_of_cell(solid, march.limits, face >> 2)
     if not (square < np.inf and square > (book.CELL_ACCEPT * REGULAR * h) ** 2):
-        return TOO_NEAR, h, square
+        return VERTEX_NEAR, h, square
     xyz[p, 0], xyz[p, 1], xyz[p, 2] = out[0], out[1], out[2]
-    outcome, _ = try_apex(march, face, p, book.ROOM_AROUND * h, out)
+    outcome, _ = try_apex(march, face, p, book.APEX_ROOM * h, out)
     return outcome, h, square
 
 
@@ -231,8 +231,8 @@ def advance_in_space(march, diary, counts, ask, answer, out, limit):
         if p >= xyz.shape[0]:
             return ROOM
         tried = ask[1] if ask[0] >= 0 else 0
-        reason, face, near, h, square, failed = NOTHING, np.int64(-1), np.int64(-1), 0.0, 0.0, 0
-        while reason == NOTHING:
+        reason, face, near, h, square, failed = NO_REASON, np.int64(-1), np.int64(-1), 0.0, 0.0, 0
+        while reason == NO_REASON:
             answered = ask[0] >= 0
             face = np.int64(ask[0]) if answered else book.front_face(xyz, vertex, mark, t, tried)
             if face < 0:
@@ -242,9 +242,9 @@ def advance_in_space(march, diary, counts, ask, answer, out, limit):
                 return CALLER
             reason, h, side, square = choose_ahead(march, counts, face, answer, out)
             near = np.int64(-1)
-            if reason == NOTHING:
-                outcome, near = try_apex(march, face, p, book.ROOM_AROUND * min(h, side), out)
-                if outcome == NO_SLOTS:
+            if reason == NO_REASON:
+                outcome, near = try_apex(march, face, p, book.APEX_ROOM * min(h, side), out)
+                if outcome == LACKS_SLOTS:
                     return ROOM
                 if outcome == APEX_FITS:
                     face, reason = book.put_apex(march, counts, out, p, face), book.NEW_APEX
@@ -255,18 +255,18 @@ def advance_in_space(march, diary, counts, ask, answer, out, limit):
             ask[0] = -1
             tried |= 1 << (face & 3)
         row = p
-        if reason == NOTHING and not book.cell_aside(march, counts, t):
+        if reason == NO_REASON and not book.cell_aside(march, counts, t):
             face = book.front_face(xyz, vertex, mark, t, 0)
             outcome, h, square = last_resort(march, counts, face, out)
-            if outcome == NO_SLOTS:
+            if outcome == LACKS_SLOTS:
                 return ROOM
             near, reason, row = np.int64(-1), book.FORCED_CELL, np.int64(-1)
             if outcome == APEX_FITS:
                 face, reason, row = book.put_apex(march, counts, out, p, face), book.CENTER_APEX, p
-        for outcome in range(NOT_SEEN, NO_SLOTS):
+        for outcome in range(NOT_SEEN, LACKS_SLOTS):
             counts[book.CELLS_ASIDE + outcome] += failed >> 8 * outcome & 255
-        if reason != NOTHING:
-            write_row(diary, counts[book.CELLS_MADE], xyz, row, h, square, near)
+        if reason != NO_REASON:
+            write_row(diary, counts[book.CELLS_DONE], xyz, row, h, square, near)
             end_step(march, diary, counts, face, reason, out)
     return MORE
 
