@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..base.arrays import as_points
 from ..base.elementary import exponentials
 from ..base.errors import InputError
+from .field import first_to_raise
 
 __all__ = ["DEFAULT_GROWTH", "Layers"]
 
@@ -158,7 +159,7 @@ class Layers:
             places = as_points(at, "at")
             for name, value in given.items():
                 if callable(value):
-                    given[name] = _values(value(places), f"{name}(places)")
+                    given[name] = _values(_asked(value, name, places), f"{name}(places)")
                 if name != "count" and np.size(given[name]) not in (1, len(places)):
                     raise InputError(
                         f"{name} has {np.size(given[name])} values, but there are {len(places)} places; give "
@@ -176,6 +177,20 @@ class Layers:
         values = [(name, getattr(self, name)) for name in LAYER_VALUES]
         return [(n, "function" if callable(v) else float(f"{v:.6g}") if np.ndim(v) == 0 and v else v)
                 for n, v in values]  # fmt: skip
+
+
+def _asked(function: Callable[[Array], Any], name: str, places: Array) -> Any:
+    """What a function of places returns; an error that it raises is told with the first place concerned."""
+    try:
+        return function(places)
+    except InputError:  # its message tells what is wrong
+        raise
+    except Exception as error:
+        row = first_to_raise(function, places)
+        raise InputError(
+            f"the function for {name} raised {type(error).__name__} ({error}) at place {row} = "
+            f"{places[row].tolist()}; it takes places (k, d) and returns k positive numbers"
+        ) from error
 
 
 def _values(value: Any, name: str) -> Array:
@@ -280,7 +295,13 @@ def _possible(growth: Array, n: int | None, function: Any) -> None:
 def _units(n: int, growth: Array, function: Any) -> Array:
     """Total heights after 0 to n layers in units of the first height: (rows, n + 1)."""
     if callable(function):
-        shares = np.asarray(function(np.arange(n + 1) / n), dtype=np.float64)
+        try:
+            shares = np.asarray(function(np.arange(n + 1) / n), dtype=np.float64)
+        except Exception as error:
+            raise InputError(
+                f"the function of shares raised {type(error).__name__} ({error}) for the shares 0, 1 / {n}, "
+                f"..., 1; it takes these {n + 1} numbers as an array and returns as many"
+            ) from error
         if shares.shape != (n + 1,) or not np.isfinite(shares).all() or not (np.diff(shares) > 0).all():
             raise InputError(
                 f"the function of shares must return {n + 1} finite, increasing values for the shares 0, "

@@ -15,6 +15,7 @@ from ...base.arrays import flagged
 from ...base.errors import DomainError, InputError
 from ...domain.domain import Domain
 from ...geometry.polygons import Polygons
+from .flat_sides import number_of
 
 __all__ = ["Grown", "Remainder", "border_edges", "padded_to_four", "remainder", "side_pieces"]
 
@@ -119,8 +120,8 @@ def remainder(domain: Domain, grown: Grown) -> Remainder:
     if len(meets):
         at = int(inner.vertices[meets[0]])
         raise InputError(
-            f"an inner piece ends at vertex {at} of a wall, at {domain.points[at].tolist()}: layers "
-            "would cut it; leave the facets there out of walls"
+            f"an inner piece ends at vertex {number_of(domain, at)} of a wall, at "
+            f"{domain.points[at].tolist()}: layers would cut it; leave the facets there out of walls"
         )
     number = np.where(grown.level == 0, grown.stem, many + np.arange(len(grown.points)))
     kept = np.flatnonzero(~wall)
@@ -231,8 +232,9 @@ def side_pieces(
         lost[fan] = ends[by_end[spot]] != low[fan]
     if lost.any() and not exposed:
         row = int(np.argmax(lost))
+        edge = f"{number_of(domain, low[row])}-{number_of(domain, high[row])}"
         raise InputError(
-            f"layers end at the edge {low[row]}-{high[row]} near {domain.points[low[row]].tolist()}, where "
-            "there is no facet beside the wall"
+            f"layers end at the edge {edge} near {domain.points[low[row]].tolist()}, where there is no facet "
+            "beside the wall"
         )
     return np.where(lost, -1, owner[found]) if len(key) else np.full(len(low), -1, dtype=np.int64)
