@@ -18,7 +18,9 @@ from ..base.jit import inline, kernel
 __all__ = ["Features", "fans_at", "features_of", "same_points", "side_groups", "unit_normals", "united"]
 
 Array = NDArray[np.float64]
-NO_DIRECTION = 1e-12  # of the longest side squared: twice the area below which a direction is mere rounding
+WITHOUT_DIRECTION = (
+    1e-12  # of the longest side squared: twice the area below which a direction is mere rounding
+)
 USUAL_TURN = 45.0  # degrees by which feature curves turn at a corner if creases are not asked for
 
 
@@ -65,7 +67,7 @@ def _normals(xyz, rows, normals):
         longest = max(ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz, wx * wx + wy * wy + wz * wz)
         x, y, z = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         length = np.sqrt(x * x + y * y + z * z)
-        scale = 1.0 / length if length > NO_DIRECTION * longest else 0.0
+        scale = 1.0 / length if length > WITHOUT_DIRECTION * longest else 0.0
         normals[t, 0], normals[t, 1], normals[t, 2] = x * scale, y * scale, z * scale
 
 

@@ -31,7 +31,7 @@ __all__ = [
     "walked",
 ]
 
-LONGEST_WALK = 24  # steps: from farther away a search in the tree is quicker
+FARTHEST_WALK = 24  # steps: from farther away a search in the tree is quicker
 ON_SIDE = 1e-7  # a point whose weight of a corner is less may lie on the opposite side, but for rounding
 MOST_AROUND = 24  # triangles at a vertex: from a vertex of more, a walk gives way to the tree
 WAITING_BOXES = 128  # boxes that wait; a tree of boxes is never half as deep
@@ -108,7 +108,7 @@ def walked(held, p, n, t, place):
     rows, trial = held.rows, place[3:]
     best = onto(p, held.corners[t], place)
     good = _admitted(held.normals, t, n)
-    for _ in range(LONGEST_WALK):
+    for _ in range(FARTHEST_WALK):
         moved = False
         k = 0 if place[0] > ON_SIDE else (1 if place[1] > ON_SIDE else 2)  # a corner that the point depends on
         v, other, inner = rows[t, k], -1, min(place[0], min(place[1], place[2])) > ON_SIDE
