@@ -169,7 +169,8 @@ class SurfaceComplex:
         s = self.sheets
         used, slots = int(s.state[SURFACE_VERTICES]), int(s.state[SURFACE_SLOTS])
         master = np.arange(used)
-        master[: len(self.master)] = np.where(s.at[: len(self.master)] >= 0, self.master, master[: len(self.master)])
+        copies = np.flatnonzero(s.kind[: len(self.master)] == CORNER)  # other vertices may be new ones
+        master[copies] = self.master[copies]
         live = np.zeros(used, dtype=bool)
         live[master[s.at[:used] >= 0]] = True
         vertices = np.flatnonzero(live)

@@ -33,10 +33,10 @@ __all__ = [
     "SURFACE_SLOTS",
     "SURFACE_VERTICES",
     "Sheets",
-    "are_joined",
     "can_collapse",
     "can_flip",
     "collapse_edge",
+    "edge_between",
     "first_corner",
     "flip_edge",
     "has_room",
@@ -132,19 +132,19 @@ def first_corner(s, v):
 
 
 @lean
-def are_joined(s, u, w):
-    """Whether there is an edge between two vertices."""
+def edge_between(s, u, w):
+    """A half-edge between two vertices, the one from u to w if there is such; -1 if there is no edge."""
     start = first_corner(s, u)
     c = start
     while True:
         if s.vertex[next_edge(c)] == w:
-            return True
+            return prev_edge(c)
         last = c
         c = turned(s.twin, c)
         if c < 0:
-            return s.vertex[prev_edge(last)] == w
+            return next_edge(last) if s.vertex[prev_edge(last)] == w else -1
         if c == start:
-            return False
+            return -1
 
 
 @inline
@@ -154,7 +154,7 @@ def can_flip(s, e):
     if f < 0 or s.curve[e] >= 0:
         return False
     p, q = s.vertex[e], s.vertex[f]
-    return p != q and not are_joined(s, p, q)
+    return p != q and edge_between(s, p, q) < 0
 
 
 @lean

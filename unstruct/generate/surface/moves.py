@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ...base.jit import kernel, lean
 from ...connect.insertion.halfedges import next_edge, prev_edge
-from ...connect.surface.halfedges import CORNER, ON_CURVE, SMOOTH, SURFACE_VERTICES, first_corner, turned
-from .shapes import MOVES, settle, star_least, star_normal
+from ...connect.surface.halfedges import CORNER, ON_CURVE, SMOOTH, first_corner, turned
+from .shapes import MOVES, settle, star_is_near, star_least, star_normal
 
 __all__ = ["move_pass", "search_at"]
 
@@ -74,10 +74,10 @@ def _put(work, v, t):
 
 
 @kernel
-def move_pass(work):
+def move_pass(work, start, stop):
     """Move each vertex to the middle of its star, or of its neighbors on a curve; halfway, if that is too far."""
     s, p, ref = work.sheets, work.x[0], work.ref
-    for v in range(s.state[SURFACE_VERTICES]):
+    for v in range(start, stop):
         if s.at[v] < 0 or s.kind[v] == CORNER:
             continue
         star_normal(s, v, ref)
@@ -88,13 +88,14 @@ def move_pass(work):
         else:
             _star_middle(s, v, p, ref)
         for _ in range(2):
-            t = settle(work, s.kind[v], s.on[v], s.near[v])
+            t = settle(work, v, s.kind[v], s.near[v])
             new = star_least(s, v, p, ref, 0.0)
             if new >= 0.0 and (new >= SHARP_ENOUGH or new > old):
                 _put(work, v, t)
                 break
             for k in range(3):
                 p[k] = 0.5 * (p[k] + s.xyz[v, k])
+    return 0
 
 
 @lean
@@ -105,6 +106,8 @@ def search_at(work, v):
         return False
     star_normal(s, v, ref)
     old = star_least(s, v, s.xyz[v], ref, -2.0)
+    before = s.xyz[v, 0], s.xyz[v, 1], s.xyz[v, 2]
+    near, was_near = s.near[v], star_is_near(work, v)
     step, moved, left = SEARCH_STEP * s.size[v], False, 24
     while step > LAST_STEP * s.size[v] and left > 0:
         left -= 1
@@ -113,7 +116,7 @@ def search_at(work, v):
             for k in range(3):
                 p[k] = s.xyz[v, k]
             p[i // 2] += step if i % 2 == 0 else -step
-            t = settle(work, s.kind[v], s.on[v], s.near[v])
+            t = settle(work, v, s.kind[v], s.near[v])
             if s.kind[v] == SMOOTH:
                 star_normal(s, v, ref)
             new = star_least(s, v, p, ref, old)
@@ -123,6 +126,10 @@ def search_at(work, v):
                 break
         if not found:
             step *= 0.5
+    if moved and was_near and not star_is_near(work, v):
+        s.xyz[v, 0], s.xyz[v, 1], s.xyz[v, 2] = before
+        s.near[v] = near
+        return False
     return moved
 
 
