@@ -23,7 +23,6 @@ __all__ = ["Nearby", "fault_of", "gather_near", "matching_edge", "nearby_arrays"
 MOST_NEAR = 4096  # vertices, and edges, that are gathered
 SAME_SHEET = 0.2  # the least product of normals of edges that see each other
 HEIGHT_OF_SHEET = 1.0  # times the reach: what is farther above or below is on another sheet
-FEW_CUBES = 512  # cubes of a level that are looked at
 
 
 class Nearby(NamedTuple):
@@ -90,7 +89,7 @@ def _see(front, nearby, v):
 
 
 @lean
-def _add(front, nearby, v, part, reach):
+def _add(front, nearby, v, part):
     """Add a vertex and its edges, as far as they are on the sheet."""
     n = nearby.frame[3]
     if front.part[v] != part or nearby.many[0] == MOST_NEAR:
@@ -118,33 +117,53 @@ def _add(front, nearby, v, part, reach):
 
 
 @lean
+def _look(front, nearby, v, part, reach):
+    """Add a vertex, if it is in the ball and has not been seen."""
+    dx, dy, dz = (
+        front.xyz[v, 0] - nearby.frame[0, 0],
+        front.xyz[v, 1] - nearby.frame[0, 1],
+        front.xyz[v, 2] - nearby.frame[0, 2],
+    )
+    if (
+        nearby.seen[v] != nearby.many[2]
+        and dx * dx + dy * dy + dz * dz <= reach * reach
+        and abs(project(nearby, front.xyz[v], 2)) <= HEIGHT_OF_SHEET * reach
+    ):
+        _see(front, nearby, v)
+        _add(front, nearby, v, part)
+
+
+@lean
 def gather_near(front, nearby, part, reach):
     """Find the vertices in a ball around the origin of the frame, and their edges. Some edges come twice."""
-    x, y, z = nearby.frame[0, 0], nearby.frame[0, 1], nearby.frame[0, 2]
     nearby.many[0] = nearby.many[1] = nearby.many[3] = 0
     nearby.many[2] += 1
+    x = nearby.frame[0]
     for i in range(front.at_level.shape[0]):
-        if front.at_level[i] == 0:
+        count = front.at_level[i]
+        for m in range(3):
+            if x[m] + reach < front.level_box[i, 0, m] or x[m] - reach > front.level_box[i, 1, m]:
+                count = 0
+        if count == 0:
             continue
         level = front.state[FRONT_LEVELS] + i
         side = side_of_cubes(level)
-        a, b = np.int64(np.floor((x - reach) / side)), np.int64(np.floor((x + reach) / side))
-        c, d = np.int64(np.floor((y - reach) / side)), np.int64(np.floor((y + reach) / side))
-        g, h = np.int64(np.floor((z - reach) / side)), np.int64(np.floor((z + reach) / side))
-        for j in range(a, b + 1):
-            for k in range(c, d + 1):
-                for m in range(g, h + 1):
+        a, b = np.floor((x[0] - reach) / side), np.floor((x[0] + reach) / side)
+        c, d = np.floor((x[1] - reach) / side), np.floor((x[1] + reach) / side)
+        g, h = np.floor((x[2] - reach) / side), np.floor((x[2] + reach) / side)
+        if (b - a + 1.0) * (d - c + 1.0) * (h - g + 1.0) > count:
+            v = front.of_level[i]
+            while v >= 0:
+                _look(front, nearby, v, part, reach)
+                v = front.same[v]
+            continue
+        for j in range(np.int64(a), np.int64(b) + 1):
+            for k in range(np.int64(c), np.int64(d) + 1):
+                for m in range(np.int64(g), np.int64(h) + 1):
                     v = front.buckets[bucket_of(front, level, j, k, m)]
                     while v >= 0:
-                        dx, dy, dz = front.xyz[v, 0] - x, front.xyz[v, 1] - y, front.xyz[v, 2] - z
-                        if (
-                            front.level[v] == level
-                            and nearby.seen[v] != nearby.many[2]
-                            and dx * dx + dy * dy + dz * dz <= reach * reach
-                            and abs(project(nearby, front.xyz[v], 2)) <= HEIGHT_OF_SHEET * reach
-                        ):
-                            _see(front, nearby, v)
-                            _add(front, nearby, v, part, reach)
+                        if front.level[v] == level:
+                            _look(front, nearby, v, part, reach)
                         v = front.after[v]
     for i in range(nearby.many[1]):
         _see(front, nearby, front.ends[nearby.edge[i], 0])

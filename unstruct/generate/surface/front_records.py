@@ -45,8 +45,9 @@ class SurfaceFront(NamedTuple):
         Scaled coordinates.
     near, part : (n,) int64
         The triangle of the surface at each vertex, and its component of the surface.
-    level, cube, after, before : (n,) int64
-        The octave of the wanted length, the bucket of the grid (-1: not in it), and the list in the bucket.
+    level, cube, after, same : (n,) int64
+        The octave of the wanted length, the bucket of the grid (-1: not in it), the next vertex in the bucket
+        and the next one of the level.
     heads, tails : (n,) int64
         The last edge of the front that begins at each vertex, and that ends there; -1 for none.
     loose : (n,) int8
@@ -66,8 +67,10 @@ class SurfaceFront(NamedTuple):
         The edges of the mesh.
     buckets : (b,) int64
         The first vertex of each bucket of the grid.
-    at_level : (., ) int64
-        How many vertices of the grid have each level, from the lowest on.
+    at_level, of_level : (l,) int64
+        How many vertices of the grid have each level, from the lowest on, and the last one.
+    level_box : (l, 2, 3)
+        The box of the vertices of each level.
     held_normals : (t, 3)
         Of the triangles of the surface.
     state : (6,) int64
@@ -80,7 +83,7 @@ class SurfaceFront(NamedTuple):
     level: NDArray[np.int64]
     cube: NDArray[np.int64]
     after: NDArray[np.int64]
-    before: NDArray[np.int64]
+    same: NDArray[np.int64]
     heads: NDArray[np.int64]
     tails: NDArray[np.int64]
     loose: NDArray[np.int8]
@@ -95,6 +98,8 @@ class SurfaceFront(NamedTuple):
     keys: NDArray[np.int64]
     buckets: NDArray[np.int64]
     at_level: NDArray[np.int64]
+    of_level: NDArray[np.int64]
+    level_box: NDArray[np.float64]
     held_normals: NDArray[np.float64]
     state: NDArray[np.int64]
 
@@ -103,6 +108,7 @@ def surface_front_arrays(
     vertices: int, levels: tuple[int, int], normals: NDArray[np.float64]
 ) -> SurfaceFront:
     """An empty front with room for so many vertices whose wanted lengths are in these octaves."""
+    many = levels[1] - levels[0] + 1
     edges, triangles = 8 * vertices + 64, 3 * vertices + 64
     buckets = 1 << (2 * vertices + 64).bit_length()
     return SurfaceFront(
@@ -118,7 +124,9 @@ def surface_front_arrays(
         np.zeros(triangles, dtype=np.int64),
         np.full(4 * buckets, -1, dtype=np.int64),
         np.full(buckets, -1, dtype=np.int64),
-        np.zeros(levels[1] - levels[0] + 1, dtype=np.int64),
+        np.zeros(many, dtype=np.int64),
+        np.full(many, -1, dtype=np.int64),
+        np.stack([np.full((many, 3), np.inf), np.full((many, 3), -np.inf)], axis=1),
         normals,
         np.array([0, 0, 0, 0, 0, levels[0]], dtype=np.int64),
     )
@@ -159,12 +167,15 @@ def in_grid(front, v):
         np.int64(np.floor(front.xyz[v, 1] / side)),
         np.int64(np.floor(front.xyz[v, 2] / side)),
     )
-    first = front.buckets[b]
-    front.after[v], front.before[v] = first, -1
-    if first >= 0:
-        front.before[first] = v
+    front.after[v] = front.buckets[b]
     front.buckets[b], front.cube[v] = v, b
-    front.at_level[front.level[v] - front.state[FRONT_LEVELS]] += 1
+    i = front.level[v] - front.state[FRONT_LEVELS]
+    front.same[v] = front.of_level[i]
+    front.of_level[i] = v
+    front.at_level[i] += 1
+    for m in range(3):
+        front.level_box[i, 0, m] = min(front.level_box[i, 0, m], front.xyz[v, m])
+        front.level_box[i, 1, m] = max(front.level_box[i, 1, m], front.xyz[v, m])
 
 
 @lean

@@ -14,6 +14,7 @@ from ...sizing.field import SizeField
 __all__ = ["CutCurves", "cut_curves", "sides_of_curves"]
 
 Array = NDArray[np.float64]
+LARGE = 1e3  # scaled: no length
 PROBES = 8  # places in each feature edge at which the size is asked, and as many as are as long as wanted
 
 
@@ -94,7 +95,7 @@ def _cuts(segments: Array, cap: Array, size: SizeField, scale: float, least: int
     step = np.arange(len(owner)) - np.repeat(np.cumsum(probes) - probes, probes)
     t = (step + 0.5) / probes[owner]
     x = segments[owner, 0] + t[:, None] * along[owner]
-    most = cap[owner, 0] + t * np.where(np.isfinite(cap[owner]).all(axis=1), cap[owner, 1] - cap[owner, 0], 0.0)
+    most = np.minimum(cap[owner, 0], LARGE) + t * (np.minimum(cap[owner, 1], LARGE) - np.minimum(cap[owner, 0], LARGE))
     weight = length[owner] / probes[owner] / np.minimum(np.atleast_1d(size(x / factor)) * scale, most)
     total = np.append(0.0, np.cumsum(weight))
     many = max(least, int(np.floor(total[-1] + 0.5)))

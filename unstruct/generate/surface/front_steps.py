@@ -44,7 +44,8 @@ AROUND_IDEAL = 0.75  # radius of the search for candidates, in sides
 CLEAR_OF_FRONT = 0.5  # the least distance of a new point from the front, in sides
 LEAST_ROUND = 0.3  # 2 r / R of triangles with a candidate
 LEAST_FACING = 0.3  # product of the normals of a new triangle and of its edge
-SEEN_REACH = (2.5, 5.0, 12.0)  # radii of the balls that are searched, in sides
+SEEN_REACH = (2.5, 5.0)  # radii of the balls that are searched, in sides
+LATER_ROUNDS = 4  # how often edges that had to wait are tried again
 CAP_RISE = 0.4  # by distance, of the largest lengths at vertices
 SMALL_STEPS = 16.0  # parts of an octave that count as one length in the queue
 
@@ -330,7 +331,7 @@ def _step(run, e):
         _accept(run, e, c)
         run.counts[BY_POINT] += 1
         return True
-    for k in range(3):
+    for k in range(2):
         if k > 0:
             gather_near(front, nearby, part, SEEN_REACH[k] * max(side, length))
         count = _candidates(run, e, inf)
@@ -347,13 +348,14 @@ def _step(run, e):
 @kernel
 def advance(run, later):
     """Advance the front until it is empty, or stuck, or there is no room; ``later`` is scratch for edges."""
-    front, waits, made = run.front, 0, 0
+    front, waits, made, rounds = run.front, 0, 0, 0
     while True:
         if run.many[0] == 0:
             if waits == 0:
                 return FINISHED
-            if made == 0:
+            if made == 0 or rounds == LATER_ROUNDS:
                 return STUCK
+            rounds += 1
             for i in range(waits):
                 if front.stamp[later[i]] >= 0:
                     _wait(run, later[i])
