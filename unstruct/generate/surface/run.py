@@ -26,6 +26,7 @@ __all__ = ["ALLOWED", "RemeshRun"]
 Array = NDArray[np.float64]
 ALLOWED = 0.01  # the distance from the given surface that is allowed, in sizes, if nothing is said
 MOST_ALLOWED = 0.15  # the same where the given triangles themselves are coarser than the size
+COARSE = 1.7  # how many times as far as the given triangles are off a smooth surface is allowed
 KEPT_TO = 0.95  # the part of it that is kept to at the places that are looked at
 ROUNDS = 6  # of splits, collapses, flips and moves; more, if the size had to be lowered
 MEASURED = (0, 1, 3)  # rounds after which distances are measured
@@ -94,7 +95,7 @@ class RemeshRun:
         asked = self.asked(used)
         s.size[used] = np.minimum(asked, np.maximum(s.cap[used], LEAST_SHARE * asked))
         if self.deviation is None:
-            coarse = np.minimum(0.5 * ALLOWED * asked + self.faceting[s.near[used]], MOST_ALLOWED * asked)
+            coarse = np.minimum(0.5 * ALLOWED * asked + COARSE * self.faceting[s.near[used]], MOST_ALLOWED * asked)
             s.allowed[used] = np.maximum(KEPT_TO * ALLOWED * asked, coarse)
         else:
             s.allowed[used] = self.deviation * self.support.factor
