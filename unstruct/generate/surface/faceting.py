@@ -35,4 +35,6 @@ def faceting(support: Support) -> NDArray[np.float64]:
     result = np.zeros(len(rows))
     np.maximum.at(result, one // 3, off)
     np.maximum.at(result, two // 3, off)
-    return result
+    spread = np.zeros(n)  # a place in a triangle is near those around it
+    np.maximum.at(spread, rows.ravel(), np.repeat(result, 3))
+    return spread[rows].max(axis=1)

@@ -161,7 +161,8 @@ def _stays_near(work, e):
     s, held, x = work.sheets, work.held, work.x
     u, w = s.vertex[next_edge(e)], s.vertex[prev_edge(e)]
     p, q = s.vertex[e], s.vertex[s.twin[e]] if s.twin[e] >= 0 else -1
-    within = work.slack * s.allowed[u] * s.allowed[u]
+    allowed = min(s.allowed[u], s.allowed[w])
+    within = work.slack * allowed * allowed
     reached = False
     start = first_corner(s, u)
     c, guess = start, s.near[u]

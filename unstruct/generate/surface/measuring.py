@@ -78,9 +78,12 @@ def grade_pass(work, start, stop, growth):
 
 
 @inline
-def _least_allowed(s, t):
-    """The square of the distance that is allowed for a triangle."""
-    within = min(s.allowed[s.vertex[3 * t]], min(s.allowed[s.vertex[3 * t + 1]], s.allowed[s.vertex[3 * t + 2]]))
+def _most_allowed(s, t):
+    """The square of the distance that is allowed for a triangle: where it is not the same, the largest one.
+
+    Collapses and moves keep to what is allowed at the vertex that they concern.
+    """
+    within = max(s.allowed[s.vertex[3 * t]], max(s.allowed[s.vertex[3 * t + 1]], s.allowed[s.vertex[3 * t + 2]]))
     return within * within
 
 
@@ -93,15 +96,15 @@ def faults_pass(work, start, stop, fault):
             continue
         a, b, c = s.vertex[3 * t], s.vertex[3 * t + 1], s.vertex[3 * t + 2]
         near, square = _center_distance(work, t, 1.0)
-        if square > _least_allowed(s, t):
+        if square > _most_allowed(s, t):
             fault[t] |= FAR
         for e in range(3 * t, 3 * t + 3):
             f = s.twin[e]
             if f < e:
                 away = _of_middle(work, e, 1.0)
-                if away > _least_allowed(s, t):
+                if away > _most_allowed(s, t):
                     fault[t] |= FAR
-                if f >= 0 and away > _least_allowed(s, f // 3):
+                if f >= 0 and away > _most_allowed(s, f // 3):
                     fault[f // 3] |= FAR
         ref[0] = ref[1] = ref[2] = 0.0
         add_normal(s.xyz, a, b, c, ref)

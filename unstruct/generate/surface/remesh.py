@@ -12,14 +12,15 @@ from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.surface.complex import SurfaceComplex, Taken
 from ...domain.given_surface import USUAL_SHARP, GivenSurface, given_surface
+from ...geometry.support_features import same_points
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
 from ...sizing.asked import MISSED_SIZE, too_large
 from ...sizing.field import as_size
 from .cleaning import Cleaned, cleaned
-from .distances import figures_of
+from .distances import curve_deviation, surface_deviation
 from .measuring import FAR, FLAT, INVERTED
-from .run import LEAST_SHARE, ROUNDS, RemeshRun
+from .run import ROUNDS, RemeshRun
 from .seams import divide_seams
 from .shapes import COLLAPSES, FLIPPED, MOVES, SPLITS, TOO_FAR, TURNED
 
@@ -83,7 +84,7 @@ def remesh(
         triangles ("equal points", "degenerate triangles", "repeated triangles", "turned triangles", "seams":
         edges of more than two triangles). ``figures``: "deviation" (of all distances, both ways, the
         largest), "feature deviation", "least angle" in degrees, "least size" (the smallest part of the
-        wanted size to which it was lowered).
+        wanted size to which it was lowered), and "sharp" as given, 0 for None.
 
     Raises
     ------
@@ -117,7 +118,7 @@ def remesh(
     with progress_bar(progress, " rounds", total=ROUNDS) as bar:
         run.run(bar)
         crossing = run.untangle(bar)
-    return noticed(_account(given, clean, run, crossing, group, seams))
+    return noticed(_account(given, clean, run, crossing, group, seams, sharp))
 
 
 def _begun(given: GivenSurface, field: Any, within: float | None, most: int) -> tuple[RemeshRun, Any, int]:
@@ -155,13 +156,14 @@ def _account(
     crossing: NDArray[np.int64],
     group: NDArray[np.int64],
     seams: int,
+    sharp: float | None,
 ) -> DomainMesh:
     """The mesh with its names, and what is to be said of it."""
     support, taken, s = given.support, run.complex.taken(), run.complex.sheets
     points = taken.points / support.factor
     origin = np.full(len(points), -1, dtype=np.int32)
     old = np.flatnonzero(taken.vertices < len(support.points))
-    same = (points[old] == support.points[taken.vertices[old]]).all(axis=1)
+    same = (points[old] == support.points[taken.vertices[old]]).all(axis=1)  # slots are used again
     origin[old[same]] = taken.vertices[old[same]]
     mesh = Mesh(points, taken.triangles)
     fault = run.faults()[taken.slots]
@@ -183,11 +185,17 @@ def _account(
         "feature edges": len(taken.edges),
         "seams": seams,
     }
-    figures = figures_of(support, taken, mesh) | {"least size": max(float(lowered.min()), LEAST_SHARE)}
+    figures = {
+        "deviation": surface_deviation(support, points, taken.triangles, s.near[taken.vertices]),
+        "feature deviation": curve_deviation(support, taken),
+        "least angle": float(mesh.quality("min_angle").min()),
+        "least size": float(lowered.min()),
+        "sharp": 0.0 if sharp is None else sharp,
+    }
     return DomainMesh(
         points,
         taken.triangles,
-        origin=clean.origin(origin),
+        origin=origin,
         markers=_markers(given, clean, taken, group[s.name[taken.slots]], origin),
         regions=clean.regions,
         unrefined=cells,
@@ -203,11 +211,11 @@ def _markers(
     """The names of triangles, feature edges and vertices."""
     found: dict[str, Any] = given.markers(taken.triangles, triangle)
     support = given.support
-    n = len(support.points)
+    n, number = len(support.points), same_points(support.points)
     kept = np.sort(support.features, axis=1)
     key = kept[:, 0] * n + kept[:, 1]
     for name, rows in given.edges.items():
-        ends = np.sort(support.held_numbers(rows), axis=1)
+        ends = np.sort(number[rows], axis=1)
         curves = np.unique(support.chain[np.isin(key, ends[:, 0] * n + ends[:, 1])])
         found[name] = taken.edges[np.isin(taken.curves, curves)]
     place = {int(v): i for i, v in enumerate(origin.tolist()) if v >= 0}

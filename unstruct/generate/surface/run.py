@@ -26,6 +26,8 @@ __all__ = ["ALLOWED", "RemeshRun"]
 Array = NDArray[np.float64]
 ALLOWED = 0.01  # the distance from the given surface that is allowed, in sizes, if nothing is said
 MOST_ALLOWED = 0.15  # the same where the given triangles themselves are coarser than the size
+COARSE = 1.7  # how many times as far as the given triangles are off a smooth surface is allowed
+KEPT_TO = 0.95  # the part of it that is kept to at the places that are looked at
 ROUNDS = 6  # of splits, collapses, flips and moves; more, if the size had to be lowered
 MEASURED = (0, 1, 3)  # rounds after which distances are measured
 FLIP_SWEEPS = 3
@@ -79,19 +81,24 @@ class RemeshRun:
             self.slack,
         )
 
+    def asked(self, vertices: NDArray[np.int64]) -> Array:
+        """The size that was asked for at some vertices, in scaled coordinates."""
+        factor = self.support.factor
+        if self.size.constant is not None:
+            return np.full(len(vertices), self.size.constant * factor)
+        return self.size(self.complex.sheets.xyz[vertices] / factor) * factor
+
     def refresh(self) -> None:
         """Ask for the size at all vertices."""
-        s, factor = self.complex.sheets, self.support.factor
-        used = np.flatnonzero(s.at[: int(s.state[SURFACE_VERTICES])] >= 0)
-        if self.size.constant is None:
-            asked = self.size(s.xyz[used] / factor) * factor
-        else:
-            asked = np.full(len(used), self.size.constant * factor)
+        s = self.complex.sheets
+        used = np.flatnonzero(s.at[: self.used] >= 0)
+        asked = self.asked(used)
         s.size[used] = np.minimum(asked, np.maximum(s.cap[used], LEAST_SHARE * asked))
         if self.deviation is None:
-            s.allowed[used] = np.minimum(ALLOWED * asked + self.faceting[s.near[used]], MOST_ALLOWED * asked)
+            coarse = np.minimum(0.5 * ALLOWED * asked + COARSE * self.faceting[s.near[used]], MOST_ALLOWED * asked)
+            s.allowed[used] = np.maximum(KEPT_TO * ALLOWED * asked, coarse)
         else:
-            s.allowed[used] = self.deviation * factor
+            s.allowed[used] = self.deviation * self.support.factor
 
     def split(self) -> None:
         """Split edges until all are short enough, or the budget is used up."""
