@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arguments import DEFAULT_BUDGET, as_count, as_flag
-from ...base.errors import InputError
+from ...base.errors import IncompleteWarning, InputError
 from ...domain.given_surface import USUAL_SHARP, GivenSurface, given_surface
+from ...geometry.embedded import flat_rows
 from ...geometry.support import Support
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.field import SizeField, as_size
 from .front_finish import made_rounder
 from .front_march import MarchedFront, marched
-from .front_sizes import parts_of
 from .front_sound import fault_of_front, meets_itself
+from .remesh import remesh
 
 __all__ = ["surface_front"]
 
@@ -25,6 +27,7 @@ Array = NDArray[np.float64]
 # surface may turn within a length.
 ATTEMPTS = ((1.0, np.inf), (1.0, 0.8), (0.7, 0.5))
 LOWERED = "small: the front did not close with the wanted lengths, so they were lowered"
+REMESHED = "remeshed: the front did not close ({}), so the triangles of the surface were remeshed"
 NOT_CLOSED = "given: the front did not close ({}), so the triangles of the surface were kept"
 NO_ROOM = "given: the budget does not suffice, so the triangles of the surface were kept"
 
@@ -84,9 +87,10 @@ def surface_front(
     The front itself is judged in tangent planes, where the tests are exact, but projections of a curved front
     need not be one. So when it has closed, the mesh is tested: its edges and vertices, components and their
     Euler characteristics by counting, and, exactly, that it does not meet itself. If the front gets stuck or
-    the mesh fails, it is tried again with lengths lowered where the surface turns much within them, twice;
-    and if that fails, too, the mesh is that of the surface itself. This always ends, and nothing is silent:
-    the reasons are in ``unrefined`` and ``reasons``, and a warning tells them.
+    the mesh fails, it is tried again with lengths lowered where the surface turns much within them, twice. If
+    that fails, too, the triangles of the surface are remeshed, and if that meets itself, the mesh is the
+    surface itself. This always ends, and nothing is silent: the reasons are in ``unrefined`` and ``reasons``,
+    and a warning tells them.
 
     O(n log n) for n triangles. Sources: J. Peraire, J. Peiró, L. Formaggia, K. Morgan, O. C. Zienkiewicz,
     Int. J. Numer. Meth. Engng 26 (1988) 2135-2159; R. Löhner, P. Parikh, Int. J. Numer. Meth. Fluids 8 (1988)
@@ -107,6 +111,10 @@ def surface_front(
             return noticed(_as_mesh(given, made, sharp, counts, LOWERED if attempt else ""))
         if front.full:
             break
+    if not front.full:
+        other = _remeshed(surface, support, field, (sharp, budget), counts, why)
+        if other is not None:
+            return noticed(other)
     reason = NO_ROOM if front.full else NOT_CLOSED.format(why)
     return noticed(_as_mesh(given, _kept(support), sharp, counts, reason))
 
@@ -131,8 +139,37 @@ def _finished(support: Support, front: MarchedFront, size: SizeField, improve: b
 
 def _places(points: Array, support: Support) -> NDArray[np.int64]:
     """The corner of the surface in the place of each vertex, -1 for none."""
-    known = {tuple(row): int(v) for v, row in zip(support.corners, (support.points[support.corners] * support.factor).tolist())}
+    places = (support.points[support.corners] * support.factor).tolist()
+    known = {tuple(row): int(v) for v, row in zip(support.corners, places)}
     return np.array([known.get(tuple(row), -1) for row in points.tolist()], dtype=np.int64)
+
+
+def _remeshed(
+    surface: Any,
+    support: Support,
+    size: SizeField,
+    options: tuple[float, int],
+    counts: dict[str, int],
+    why: str,
+) -> DomainMesh | None:
+    """The surface remeshed; None if that meets itself."""
+    sharp, budget = options
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", IncompleteWarning)  # all cells get a reason of their own
+        mesh = remesh(surface, size, sharp=sharp if sharp < 180.0 else None, budget=budget)
+    points, rows = mesh.points * support.factor, mesh.simplices.astype(np.int64)
+    if len(flat_rows(points, rows)) or meets_itself(points, rows, support):
+        return None
+    return DomainMesh(
+        mesh.points,
+        mesh.simplices,
+        origin=mesh.origin,
+        markers=mesh.markers,
+        unrefined=np.arange(mesh.size),
+        reasons=np.full(mesh.size, REMESHED.format(why)),
+        counts=counts,
+        figures={"sharp": sharp, "deviation": mesh.figures["deviation"]},
+    )
 
 
 def _kept(support: Support) -> MadeFront:
@@ -152,7 +189,9 @@ def _kept(support: Support) -> MadeFront:
     )
 
 
-def _as_mesh(given: GivenSurface, made: MadeFront, sharp: float, counts: dict[str, int], reason: str) -> DomainMesh:
+def _as_mesh(
+    given: GivenSurface, made: MadeFront, sharp: float, counts: dict[str, int], reason: str
+) -> DomainMesh:
     support, rows = given.support, made.rows.astype(np.int32)
     points = made.points / support.factor
     x = points[rows]

@@ -49,7 +49,11 @@ def made_rounder(
     """
     edges, chain, corners = curves
     complex = SurfaceComplex(
-        points, rows.astype(np.int32), edges.astype(np.int32), chain.astype(np.int32), corners.astype(np.int32)
+        points,
+        rows.astype(np.int32),
+        edges.astype(np.int32),
+        chain.astype(np.int32),
+        corners.astype(np.int32),
     )
     s, master = complex.sheets, complex.master
     s.near[: len(master)], s.cap[: len(master)] = near[master], wanted[master]

@@ -11,7 +11,14 @@ from ...geometry.support import Support
 from ...sizing.field import SizeField
 from ...sizing.space_table import SpaceNodes, space_nodes
 from .front_near import nearby_arrays
-from .front_records import FRONT_TRIANGLES, FRONT_VERTICES, enter_front_vertex, in_grid, octave_of, surface_front_arrays
+from .front_records import (
+    FRONT_TRIANGLES,
+    FRONT_VERTICES,
+    enter_front_vertex,
+    in_grid,
+    octave_of,
+    surface_front_arrays,
+)
 from .front_sizes import caps_of, parts_of
 from .front_start import CutCurves, cut_curves, sides_of_curves
 from .front_steps import (
@@ -27,6 +34,7 @@ from .front_steps import (
     first_triangle,
     front_run,
     open_curves,
+    wanted_lengths,
 )
 
 __all__ = ["MarchedFront", "marched"]
@@ -127,7 +135,11 @@ def _expected(support: Support, size: SizeField, share: float, cap: Array) -> in
 
 
 def _begun(
-    support: Support, curves: CutCurves, part: NDArray[np.int64], choices: FrontChoices, levels: tuple[int, int]
+    support: Support,
+    curves: CutCurves,
+    part: NDArray[np.int64],
+    choices: FrontChoices,
+    levels: tuple[int, int],
 ) -> tuple[FrontRun, NDArray[np.int64], str]:
     """A front with all curves in it, and with a first triangle on each component without curves."""
     xyz, own = support.points * support.factor, support.held.rows
@@ -143,9 +155,10 @@ def _begun(
     near[rows.ravel()] = np.repeat(seats, 2)
     home[curves.rows.ravel()] = np.repeat(part[support.features[curves.feature, 0]], 2)
     loose = np.setdiff1d(np.arange(len(curves.points)), curves.rows.ravel())
+    lengths = np.empty(len(curves.points))
+    wanted_lengths(run, curves.points, near, lengths)
     for i in range(len(curves.points)):
-        length = max(float(_length_at(choices, support, curves.points[i], int(near[i]))), 0.0)
-        enter_front_vertex(front, curves.points[i], length, near[i], home[i])
+        enter_front_vertex(front, curves.points[i], lengths[i], near[i], home[i])
     open_curves(run, rows, normals, seats)
     for v in loose.tolist():
         front.loose[v] = 1
@@ -157,13 +170,6 @@ def _begun(
         if not any(_started(run, support, at, v, p) for v in starts):
             return run, rows, "no first triangle was found on a component"
     return run, rows, ""
-
-
-def _length_at(choices: FrontChoices, support: Support, x: Array, t: int) -> float:
-    """A length for the grid: that of the size alone."""
-    if choices.constant > 0.0:
-        return choices.constant
-    return float(np.median(choices.size.values))
 
 
 def _started(run: FrontRun, support: Support, at: NDArray[np.int64], v: int, p: int) -> bool:

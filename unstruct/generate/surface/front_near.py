@@ -68,9 +68,7 @@ def nearby_arrays(vertices: int) -> Nearby:
 def project(nearby, p, k):
     """The coordinate k of a point in the frame: 0 and 1 in the plane, 2 above it."""
     f = nearby.frame
-    return (
-        (p[0] - f[0, 0]) * f[k + 1, 0] + (p[1] - f[0, 1]) * f[k + 1, 1] + (p[2] - f[0, 2]) * f[k + 1, 2]
-    )
+    return (p[0] - f[0, 0]) * f[k + 1, 0] + (p[1] - f[0, 1]) * f[k + 1, 1] + (p[2] - f[0, 2]) * f[k + 1, 2]
 
 
 @inline

@@ -26,8 +26,11 @@ __all__ = [
     "enter_front_vertex",
     "in_grid",
     "known_edge",
+    "bucket_of",
     "note_edge",
+    "octave_of",
     "open_edge",
+    "side_of_cubes",
     "surface_front_arrays",
 ]
 
@@ -63,7 +66,7 @@ class SurfaceFront(NamedTuple):
     triangles : (m, 3) int64
     home : (m,) int64
         The triangle of the surface at each new triangle.
-    keys, counts : hash table
+    keys : (h,) int64, a hash table
         The edges of the mesh.
     buckets : (b,) int64
         The first vertex of each bucket of the grid.

@@ -67,7 +67,9 @@ def _same_characters(rows: NDArray[np.int64], n: int, support: Support) -> bool:
     for triangles, many in ((rows, n), (own, len(support.points))):
         used = np.unique(triangles)
         label = parts_of(triangles, many)
-        found.append((len(np.unique(label[used])), len(used) - len(side_groups(triangles)[2]) + len(triangles)))
+        found.append(
+            (len(np.unique(label[used])), len(used) - len(side_groups(triangles)[2]) + len(triangles))
+        )
     return found[0] == found[1]
 
 

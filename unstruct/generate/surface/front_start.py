@@ -56,7 +56,9 @@ def cut_curves(support: Support, size: SizeField, share: float, cap: Array) -> C
         edges = support.features[first:last]
         head, tail = int(edges[0, 0]), int(edges[-1, 1])
         closed = head == tail
-        where = first + _cuts(xyz[edges], cap[edges], size, support.factor * share, 3 if closed else 1, support.factor)
+        where = first + _cuts(
+            xyz[edges], cap[edges], size, support.factor * share, 3 if closed else 1, support.factor
+        )
         chain = []
         for k, at in enumerate(where.tolist()):
             end = k in (0, len(where) - 1)
@@ -95,7 +97,9 @@ def _cuts(segments: Array, cap: Array, size: SizeField, scale: float, least: int
     step = np.arange(len(owner)) - np.repeat(np.cumsum(probes) - probes, probes)
     t = (step + 0.5) / probes[owner]
     x = segments[owner, 0] + t[:, None] * along[owner]
-    most = np.minimum(cap[owner, 0], LARGE) + t * (np.minimum(cap[owner, 1], LARGE) - np.minimum(cap[owner, 0], LARGE))
+    most = np.minimum(cap[owner, 0], LARGE) + t * (
+        np.minimum(cap[owner, 1], LARGE) - np.minimum(cap[owner, 0], LARGE)
+    )
     weight = length[owner] / probes[owner] / np.minimum(np.atleast_1d(size(x / factor)) * scale, most)
     total = np.append(0.0, np.cumsum(weight))
     many = max(least, int(np.floor(total[-1] + 0.5)))

@@ -35,7 +35,21 @@ from .front_records import (
     open_edge,
 )
 
-__all__ = ["BY_SEARCH", "FULL", "STUCK", "FrontChoices", "FrontRun", "advance", "first_triangle", "front_run"]
+__all__ = [
+    "BY_CANDIDATE",
+    "BY_POINT",
+    "BY_SEARCH",
+    "FULL",
+    "LATER_AGAIN",
+    "STUCK",
+    "FrontChoices",
+    "FrontRun",
+    "advance",
+    "first_triangle",
+    "front_run",
+    "open_curves",
+    "wanted_lengths",
+]
 
 BY_CANDIDATE, BY_POINT, BY_SEARCH, LATER_AGAIN, FRONT_COUNTS = range(5)
 FINISHED, STUCK, FULL = range(3)
@@ -135,6 +149,13 @@ def wanted_at(run, x, t):
         if most < h:
             h = min(h, most + CAP_RISE * _between(x, held.corners[t, k]))
     return h
+
+
+@kernel
+def wanted_lengths(run, x, near, lengths):
+    """Write the wanted lengths at points near triangles of the surface."""
+    for i in range(x.shape[0]):
+        lengths[i] = wanted_at(run, x[i], near[i])
 
 
 @lean
@@ -266,7 +287,9 @@ def _candidates(run, e, radius):
         if key > radius or key == inf:
             continue
         k = count
-        while k > 0 and (run.measure[k - 1] > key or (run.measure[k - 1] == key and run.candidate[k - 1] > v)):
+        while k > 0 and (
+            run.measure[k - 1] > key or (run.measure[k - 1] == key and run.candidate[k - 1] > v)
+        ):
             run.measure[k], run.candidate[k] = run.measure[k - 1], run.candidate[k - 1]
             k -= 1
         run.measure[k], run.candidate[k] = key, v
