@@ -38,9 +38,7 @@ def hill(n: int = 12) -> Mesh:
     half = [row for row in rows if row[0] < (n + 1) * (n // 2)]
     path = [[(n + 1) * i + i, (n + 1) * (i + 1) + i + 1] for i in range(n)]
     points = np.column_stack([x.ravel(), y.ravel(), z.ravel()])
-    return Mesh(
-        points, rows, markers={"half": half, "path": path, "region": np.arange(len(rows)) % 2 * 0 + 7}
-    )
+    return Mesh(points, rows, markers={"half": half, "path": path, "region": np.full(len(rows), 7)})
 
 
 def angles(mesh: Mesh) -> np.ndarray:
@@ -132,7 +130,7 @@ def test_components_and_thin_gaps() -> None:
 
 
 def test_what_cannot_close_is_told() -> None:
-    """A pit far narrower than the size, with walls that nearly touch: never an invalid mesh, never in silence."""
+    """A pit far narrower than the size, whose walls nearly touch: never an invalid mesh, never in silence."""
     surface = examples.level_surface(examples.noisy_ball(0), 0.1)
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
@@ -187,8 +185,6 @@ def test_crossings_beside_fractions(values: list[int]) -> None:
     p, q, a, b = np.array(values, dtype=float).reshape(4, 2)
     if (p == q).all() or (a == b).all():
         return
-    grid = [(i, j) for i in range(-6, 7) for j in range(-6, 7)]
-    del grid
 
     def side(u: np.ndarray, v: np.ndarray, w: np.ndarray) -> float:
         return float((v[0] - u[0]) * (w[1] - u[1]) - (v[1] - u[1]) * (w[0] - u[0]))
@@ -202,7 +198,7 @@ def test_crossings_beside_fractions(values: list[int]) -> None:
 
 
 def test_curves_are_cut_evenly() -> None:
-    """Chords of a circle and of straight sides, each with one edge of the front for each side that has a face."""
+    """Chords of a circle and of straight sides, each with one edge of the front for each side."""
     body = Domain.cylinder(size=0.1)
     support = given_surface(body).support
     curves = cut_curves(support, as_size(0.25), 1.0, np.full(len(support.points), np.inf))
@@ -228,7 +224,7 @@ def test_wrong_arguments() -> None:
         lambda: surface_front(ball, -1.0),
         lambda: surface_front(ball, 0.3, sharp=0.0),
         lambda: surface_front(ball, 0.3, improve="yes"),
-        lambda: surface_front(ball, 0.3, budget=0),
+        lambda: surface_front(ball, 0.3, budget=-1),
         lambda: surface_front("ball", 0.3),
     ):
         with pytest.raises(InputError):

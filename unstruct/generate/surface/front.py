@@ -1,4 +1,4 @@
-"""An advancing front on a surface: triangles of a wanted size, made one after the other. See the book, 2.7."""
+"""An advancing front on a surface: triangles of a wanted size, one after the other. See the book, 2.7."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import DEFAULT_BUDGET, as_count, as_flag
+from ...base.arguments import DEFAULT_BUDGET, as_count, as_flag, finite
 from ...base.errors import IncompleteWarning, InputError
 from ...domain.given_surface import USUAL_SHARP, GivenSurface, given_surface
 from ...geometry.embedded import flat_rows
@@ -27,13 +27,13 @@ Array = NDArray[np.float64]
 # surface may turn within a length.
 ATTEMPTS = ((1.0, np.inf), (1.0, 0.8), (0.7, 0.5))
 LOWERED = "small: the front did not close with the wanted lengths, so they were lowered"
-REMESHED = "remeshed: the front did not close ({}), so the triangles of the surface were remeshed"
+REMESHED = "remeshed: the front did not close ({}), so the surface was remeshed"
 NOT_CLOSED = "given: the front did not close ({}), so the triangles of the surface were kept"
 NO_ROOM = "given: the budget does not suffice, so the triangles of the surface were kept"
 
 
 class MadeFront(NamedTuple):
-    """Vertices and triangles, the edges on curves with their curve, and which vertex of the surface each is."""
+    """Vertices and triangles, edges on curves with their curve, the vertex of the surface that each is."""
 
     points: Array
     rows: NDArray[np.int64]
@@ -97,7 +97,7 @@ def surface_front(
     1135-1149. Book: 2.7.
     """
     field, budget, improve = as_size(size), as_count(budget, "budget"), as_flag(improve, "improve")
-    if not 0.0 < sharp <= 180.0:
+    if not 0.0 < finite(sharp, "sharp") <= 180.0:
         raise InputError(f"sharp must be an angle up to 180 degrees, not {sharp!r}")
     given = given_surface(surface, sharp if sharp < 180.0 else None)
     support = given.support

@@ -1,4 +1,4 @@
-"""What a front has made is made rounder: edges are flipped, vertices moved along the surface and its curves."""
+"""What a front has made becomes rounder: edges are flipped, vertices moved along surface and curves."""
 
 from __future__ import annotations
 
@@ -65,4 +65,5 @@ def made_rounder(
     for degrees in FRONT_TARGETS:
         run.sharpen(degrees)
     taken = complex.taken()
-    return taken.points, taken.triangles.astype(np.int64), taken.edges.astype(np.int64), taken.curves
+    triangles, edges, chain = (a.astype(np.int64) for a in (taken.triangles, taken.edges, taken.curves))
+    return taken.points, triangles, edges, chain

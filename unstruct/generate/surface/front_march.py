@@ -21,7 +21,8 @@ from .front_records import (
 )
 from .front_sizes import caps_of, parts_of
 from .front_start import CutCurves, cut_curves, sides_of_curves
-from .front_steps import (
+from .front_steps import advance, first_triangle, open_curves
+from .front_work import (
     BY_CANDIDATE,
     BY_POINT,
     BY_SEARCH,
@@ -30,10 +31,7 @@ from .front_steps import (
     STUCK,
     FrontChoices,
     FrontRun,
-    advance,
-    first_triangle,
     front_run,
-    open_curves,
     wanted_lengths,
 )
 
@@ -81,7 +79,7 @@ class MarchedFront(NamedTuple):
 
 
 def marched(support: Support, size: SizeField, share: float, turn: float, budget: int) -> MarchedFront:
-    """March over the surface, with ``share`` of the wanted lengths, turning by at most ``turn`` within each."""
+    """March over the surface, with ``share`` of the wanted lengths, turning by up to ``turn`` within each."""
     xyz, own = support.points * support.factor, support.held.rows
     part = parts_of(own, len(xyz))
     cap = caps_of(support, part, turn)
@@ -149,7 +147,7 @@ def _begun(
     good = np.flatnonzero((support.normals != 0.0).any(axis=1))
     at = np.full(len(xyz), -1, dtype=np.int64)
     at[own[good[::-1]].ravel()] = np.repeat(good[::-1], 3)
-    rows, normals, seats, chord = sides_of_curves(support, curves)
+    rows, normals, seats, _ = sides_of_curves(support, curves)
     near = at[np.maximum(curves.origin, 0)]
     home = np.where(curves.origin >= 0, part[np.maximum(curves.origin, 0)], -1)
     near[rows.ravel()] = np.repeat(seats, 2)

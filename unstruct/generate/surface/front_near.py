@@ -3,8 +3,8 @@
 All vertices and edges of the front in a ball are projected onto the tangent plane of the edge. Of these only
 those count that lie on the same sheet: on the same component of the surface, with a normal that does not turn
 away, not far above or below. In the plane the tests are exact: which side, whether edges cross, whether a
-triangle holds a vertex. But the projections of edges of a curved surface need not be a front in the plane. So the
-tests decide what is tried, and `check` decides, exactly, what the mesh is worth.
+triangle holds a vertex. But the projections of edges of a curved surface need not be a front in the plane. So
+the tests decide what is tried, and `check` decides, exactly, what the mesh is worth.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, lean
 from ...predicates.kernels import orient2
-from .front_records import FRONT_LEVELS, SurfaceFront, bucket_of, known_edge, side_of_cubes
+from .front_records import FRONT_LEVELS, bucket_of, known_edge, side_of_cubes
 
 __all__ = ["Nearby", "fault_of", "gather_near", "matching_edge", "nearby_arrays", "project"]
 
@@ -33,7 +33,8 @@ class Nearby(NamedTuple):
     vertex, inner : (c,) int64
         Vertices of the front, and others of the mesh.
     place : (n, 2)
-        The projection of each vertex of the front, by its number, as far as ``seen`` has the number of the step.
+        The projection of each vertex of the front, by its number, as far as ``seen`` has the number of the
+        step.
     seen : (n,) int64
     edge : (c,) int64
     frame : (5, 3)
@@ -204,10 +205,10 @@ def matching_edge(front, u, v, n):
 
 @lean
 def fault_of(front, nearby, a, b, c, p):
-    """Why the triangle on the edge a b with third corner c, or, if c < 0, a new one at p, is not valid; 0 if it is.
+    """Why the triangle on edge a b with the corner c, or a new one at p if c < 0, is not valid; else 0.
 
-    1: it turns the wrong way; 2: it has an edge of the mesh that is not in the front there; 3: it holds a vertex;
-    4: an edge of the front crosses its sides.
+    1: it turns the wrong way; 2: it has an edge of the mesh that is not in the front there; 3: it holds a
+    vertex; 4: an edge of the front crosses its sides.
     """
     place, n = nearby.place, nearby.frame[3]
     pa, pb = place[a], place[b]

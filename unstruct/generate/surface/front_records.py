@@ -1,9 +1,9 @@
 """The front on a surface: its edges, its vertices in a grid in space, and the edges of the mesh so far.
 
-An edge of the front runs from u to v with what is not meshed on its left, seen against its normal. At a crease
-two edges of the front lie between the same vertices, one for each side; where sheets branch there are more, so
-each edge has a normal of its own. The vertices of the front are in a hash grid of cubes, one size of cubes for
-each octave of the wanted length.
+An edge of the front runs from u to v with what is not meshed on its left, seen against its normal. At a
+crease two edges of the front lie between the same vertices, one for each side; where sheets branch there are
+more, so each edge has a normal of its own. The vertices of the front are in a hash grid of cubes, one size of
+cubes for each octave of the wanted length.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ __all__ = [
     "FRONT_TRIANGLES",
     "FRONT_VERTICES",
     "SurfaceFront",
+    "bucket_of",
     "close_edge",
     "enter_front_vertex",
     "in_grid",
     "known_edge",
-    "bucket_of",
     "note_edge",
     "octave_of",
     "open_edge",
@@ -114,15 +114,26 @@ def surface_front_arrays(
     many = levels[1] - levels[0] + 1
     edges, triangles = 8 * vertices + 64, 3 * vertices + 64
     buckets = 1 << (2 * vertices + 64).bit_length()
+    none = [np.full(vertices, -1, dtype=np.int64) for _ in range(5)]
+    zero = [np.zeros(vertices, dtype=np.int64) for _ in range(3)]
+    unused = [np.full(edges, -1, dtype=np.int64) for _ in range(3)]
     return SurfaceFront(
         np.empty((vertices, 3)),
-        *(np.zeros(vertices, dtype=np.int64) for _ in range(3)),
-        *(np.full(vertices, -1, dtype=np.int64) for _ in range(5)),
+        zero[0],
+        zero[1],
+        zero[2],
+        none[0],
+        none[1],
+        none[2],
+        none[3],
+        none[4],
         np.zeros(vertices, dtype=np.int8),
         np.zeros((edges, 2), dtype=np.int64),
         np.zeros((edges, 3)),
         np.zeros(edges, dtype=np.int64),
-        *(np.full(edges, -1, dtype=np.int64) for _ in range(3)),
+        unused[0],
+        unused[1],
+        unused[2],
         np.zeros((triangles, 3), dtype=np.int64),
         np.zeros(triangles, dtype=np.int64),
         np.full(4 * buckets, -1, dtype=np.int64),

@@ -1,9 +1,9 @@
 """The wanted lengths of a front on a surface: what is asked for, and what the surface itself allows.
 
-A front can close only where triangles of its size can follow the surface. So two bounds are there: a component
-without curves, such as a ball, gets triangles that are small enough to go around it, always; and if a front with
-the lengths that were asked for has failed, the lengths are lowered where the surface turns by more than an angle
-within one of them, and rise from there only gradually.
+A front can close only where triangles of its size can follow the surface. So two bounds are there: a
+component without curves, such as a ball, gets triangles that are small enough to go around it, always; and if
+a front with the lengths that were asked for has failed, the lengths are lowered where the surface turns by
+more than an angle within one of them, and rise from there only gradually.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def caps_of(support: Support, part: NDArray[np.int64], turn: float) -> NDArray[n
 def _lowered(support: Support, xyz: np.ndarray, cap: np.ndarray, turn: float) -> None:
     """Lower the caps at the vertices of triangles between which the surface turns, but at its curves."""
     own = support.held.rows
-    place, group, size = side_groups(own)
+    place, _, size = side_groups(own)
     first = np.cumsum(size) - size
     pairs = np.flatnonzero(size == 2)
     one, two = place[first[pairs]] // 3, place[first[pairs] + 1] // 3

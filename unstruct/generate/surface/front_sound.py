@@ -35,7 +35,7 @@ def fault_of_front(
     n = len(points)
     if len(rows) == 0:
         return "there is no triangle"
-    place, group, size = side_groups(rows)
+    place, _, size = side_groups(rows)
     ends = np.stack([rows, rows[:, [1, 2, 0]]], axis=2).reshape(-1, 2)
     along = ends[:, 0] * n + ends[:, 1]
     wanted = np.sort(curve_sides[:, 0] * n + curve_sides[:, 1])
@@ -74,7 +74,7 @@ def _same_characters(rows: NDArray[np.int64], n: int, support: Support) -> bool:
 
 
 def meets_itself(points: np.ndarray, rows: NDArray[np.int64], support: Support) -> bool:
-    """Whether triangles meet outside of common vertices and edges, though those of the surface do not; exact."""
+    """Whether triangles meet outside of common vertices and edges, and those of the surface do not; exact."""
     triangles = rows.astype(np.int32)
     if embedded(points, triangles) or not len(meeting_pairs(points, triangles)):
         return False

@@ -1,7 +1,8 @@
-"""What the front on a surface starts from: its curves, cut to the wanted length, with an edge for each side."""
+"""What the front on a surface starts from: its curves, cut evenly, with an edge for each side."""
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -74,7 +75,7 @@ def cut_curves(support: Support, size: SizeField, share: float, cap: Array) -> C
             chain.append(len(points))
             points.append(xyz[u] if t == 0.0 else (xyz[v] if t == 1.0 else xyz[u] + t * (xyz[v] - xyz[u])))
             origin.append(int(u) if t == 0.0 else (int(v) if t == 1.0 else -1))
-        rows += list(zip(chain[:-1], chain[1:]))
+        rows += list(pairwise(chain))
         middle = (where[1:] + where[:-1]) / 2
         features += np.minimum(middle.astype(np.int64), last - 1).tolist()
         spans += list(zip(where[:-1].tolist(), where[1:].tolist()))
@@ -88,7 +89,7 @@ def cut_curves(support: Support, size: SizeField, share: float, cap: Array) -> C
 
 
 def _cuts(segments: Array, cap: Array, size: SizeField, scale: float, least: int, factor: float) -> Array:
-    """Where a curve is cut, each place as the number of its segment plus the share of it, from 0 to the last."""
+    """Where a curve is cut: the number of its segment plus the share of it, from 0 to the last."""
     along = segments[:, 1] - segments[:, 0]
     length = np.sqrt(along[:, 0] ** 2 + along[:, 1] ** 2 + along[:, 2] ** 2)
     wanted = np.minimum(np.atleast_1d(size(segments.mean(axis=1) / factor)) * scale, cap.min(axis=1))

@@ -1,13 +1,13 @@
-"""The steps of the front on a surface: the classical advancing front, with its ideal points in tangent planes.
+"""The steps of the front on a surface: the classical one, with its ideal points in tangent planes.
 
-A step takes the edge of the front at which the wanted length is least, the oldest of these. In the tangent plane
-of the edge, to its left, lies the ideal point, which makes sides of the wanted length; it is moved to the
-nearest point of the surface that faces the same way. Vertices of the front around it are tried by their distance
-from it, then itself, if it is clear of the front; if all fail, vertices in wider balls by the circumradius of
-their triangles. What fails even so waits, and is tried again after the others.
+A step takes the edge of the front at which the wanted length is least, the oldest of these. In the tangent
+plane of the edge, to its left, lies the ideal point, which makes sides of the wanted length; it is moved to
+the nearest point of the surface that faces the same way. Vertices of the front around it are tried by their
+distance from it, then itself, if it is clear of the front; if all fail, vertices in wider balls by the
+circumradius of their triangles. What fails even so waits, and is tried again after the others.
 
-Sources: J. Peraire, J. Peiró, L. Formaggia, K. Morgan, O. C. Zienkiewicz, *Finite element Euler computations in
-three dimensions*, Int. J. Numer. Meth. Engng 26 (1988) 2135-2159; R. Löhner, P. Parikh, *Generation of
+Sources: J. Peraire, J. Peiró, L. Formaggia, K. Morgan, O. C. Zienkiewicz, *Finite element Euler computations
+in three dimensions*, Int. J. Numer. Meth. Engng 26 (1988) 2135-2159; R. Löhner, P. Parikh, *Generation of
 three-dimensional unstructured grids by the advancing-front method*, Int. J. Numer. Meth. Fluids 8 (1988)
 1135-1149. Book: 2.7.
 """
@@ -15,44 +15,36 @@ three-dimensional unstructured grids by the advancing-front method*, Int. J. Num
 from __future__ import annotations
 
 from math import frexp, inf, sqrt
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...base.heap import pop, push
-from ...base.jit import inline, kernel, lean
-from ...geometry.support_walk import WAITING_BOXES, Held, nearest_from
-from ...sizing.space_table import SpaceNodes, size_in_space
-from .front_near import Nearby, fault_of, gather_near, matching_edge, project
+from ...base.jit import kernel, lean
+from ...geometry.support_walk import nearest_from
+from .front_near import fault_of, gather_near, matching_edge, project
 from .front_records import (
     FRONT_EDGES,
     FRONT_TRIANGLES,
     FRONT_VERTICES,
-    SurfaceFront,
     close_edge,
     enter_front_vertex,
     open_edge,
 )
+from .front_work import (
+    BY_CANDIDATE,
+    BY_POINT,
+    BY_SEARCH,
+    FINISHED,
+    FULL,
+    LATER_AGAIN,
+    STUCK,
+    between,
+    roundness,
+    wanted_at,
+)
 
-__all__ = [
-    "BY_CANDIDATE",
-    "BY_POINT",
-    "BY_SEARCH",
-    "FULL",
-    "LATER_AGAIN",
-    "STUCK",
-    "FrontChoices",
-    "FrontRun",
-    "advance",
-    "first_triangle",
-    "front_run",
-    "open_curves",
-    "wanted_lengths",
-]
+__all__ = ["advance", "first_triangle", "open_curves"]
 
-BY_CANDIDATE, BY_POINT, BY_SEARCH, LATER_AGAIN, FRONT_COUNTS = range(5)
-FINISHED, STUCK, FULL = range(3)
 LEAST_SIDE, MOST_SIDE = 0.55, 2.0  # of the sides of a new triangle, in lengths of the edge
 AROUND_IDEAL = 0.75  # radius of the search for candidates, in sides
 CLEAR_OF_FRONT = 0.5  # the least distance of a new point from the front, in sides
@@ -60,102 +52,7 @@ LEAST_ROUND = 0.3  # 2 r / R of triangles with a candidate
 LEAST_FACING = 0.3  # product of the normals of a new triangle and of its edge
 SEEN_REACH = (2.5, 5.0)  # radii of the balls that are searched, in sides
 LATER_ROUNDS = 4  # how often edges that had to wait are tried again
-CAP_RISE = 0.4  # by distance, of the largest lengths at vertices
 SMALL_STEPS = 16.0  # parts of an octave that count as one length in the queue
-
-
-class FrontChoices(NamedTuple):
-    """The size: a table, or a constant; the largest one at each vertex of the surface; the most vertices."""
-
-    size: SpaceNodes
-    constant: float
-    cap: NDArray[np.float64]
-    most: int
-
-
-class FrontRun(NamedTuple):
-    """All that a step needs.
-
-    Attributes
-    ----------
-    front : SurfaceFront
-    nearby : Nearby
-    held : Held
-    choices : FrontChoices
-    keys, waiting : heap of the edges that wait, each as its row
-    stamps : (f,) int64
-        The stamp that each waiting edge had.
-    x : (4, 3)
-        Points that are looked for on the surface.
-    place : (6,), stack
-        Scratch of the search there.
-    measure, candidate : (c,)
-        The candidates of a step, and by what they are sorted.
-    counts : (5,) int64
-    many : (1,) int64
-        How many edges wait.
-    """
-
-    front: SurfaceFront
-    nearby: Nearby
-    held: Held
-    choices: FrontChoices
-    keys: NDArray[np.float64]
-    waiting: NDArray[np.int64]
-    x: NDArray[np.float64]
-    place: NDArray[np.float64]
-    stack: NDArray[np.int64]
-    measure: NDArray[np.float64]
-    candidate: NDArray[np.int64]
-    counts: NDArray[np.int64]
-    many: NDArray[np.int64]
-
-
-def front_run(front: SurfaceFront, nearby: Nearby, held: Held, choices: FrontChoices) -> FrontRun:
-    """The scratch of a run."""
-    room = 2 * len(front.stamp)
-    return FrontRun(
-        front,
-        nearby,
-        held,
-        choices,
-        np.empty(room),
-        np.empty(room, dtype=np.int64),
-        np.zeros((4, 3)),
-        np.zeros(6),
-        np.empty(WAITING_BOXES, dtype=np.int64),
-        np.empty(len(nearby.vertex)),
-        np.empty(len(nearby.vertex), dtype=np.int64),
-        np.zeros(FRONT_COUNTS, dtype=np.int64),
-        np.zeros(1, dtype=np.int64),
-    )
-
-
-@inline
-def _between(p, q):
-    return sqrt((p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 + (p[2] - q[2]) ** 2)
-
-
-@lean
-def wanted_at(run, x, t):
-    """The wanted length at a point on triangle t of the surface."""
-    choices, held = run.choices, run.held
-    size = choices.size
-    h = choices.constant
-    if h <= 0.0:
-        h = size_in_space(size.child, size.values, size.box, x[0], x[1], x[2])
-    for k in range(3):  # the size at the vertices, as far as it may have risen from there
-        most = choices.cap[held.rows[t, k]]
-        if most < h:
-            h = min(h, most + CAP_RISE * _between(x, held.corners[t, k]))
-    return h
-
-
-@kernel
-def wanted_lengths(run, x, near, lengths):
-    """Write the wanted lengths at points near triangles of the surface."""
-    for i in range(x.shape[0]):
-        lengths[i] = wanted_at(run, x[i], near[i])
 
 
 @lean
@@ -186,7 +83,7 @@ def _open(run, u, v, n, seat):
 
 @lean
 def _facing(front, nearby, a, b, p):
-    """Write the normal of the triangle a, b, p to the last row but one of the frame; its product with the frame's."""
+    """Write the normal of the triangle a, b, p to the last row of the frame; its product with the frame's."""
     xyz, f = front.xyz, nearby.frame
     ux, uy, uz = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]
     vx, vy, vz = p[0] - xyz[a, 0], p[1] - xyz[a, 1], p[2] - xyz[a, 2]
@@ -196,16 +93,6 @@ def _facing(front, nearby, a, b, p):
         return -1.0
     f[4, 0], f[4, 1], f[4, 2] = x / length, y / length, z / length
     return (x * f[3, 0] + y * f[3, 1] + z * f[3, 2]) / length
-
-
-@inline
-def _roundness(p, q, r):
-    """2 r / R of a triangle in space, and its circumradius."""
-    a, b, c = _between(q, r), _between(r, p), _between(p, q)
-    square = (a + b + c) * (b + c - a) * (c + a - b) * (a + b - c)
-    if square <= 0.0:
-        return 0.0, inf
-    return square / ((a + b + c) * a * b * c), a * b * c / sqrt(square)
 
 
 @lean
@@ -234,7 +121,7 @@ def _set_frame(run, e):
     """The frame of an edge; returns its length."""
     front, f = run.front, run.nearby.frame
     a, b, n = front.ends[e, 0], front.ends[e, 1], front.normal[e]
-    length = _between(front.xyz[a], front.xyz[b])
+    length = between(front.xyz[a], front.xyz[b])
     along = 0.0
     for m in range(3):
         f[0, m] = 0.5 * (front.xyz[a, m] + front.xyz[b, m])
@@ -264,7 +151,7 @@ def _ideal(run, e, height):
             for k in range(3):
                 x[0, m] += run.place[k] * run.held.corners[seat, k, m]
         if again == 0:  # once more, at the wanted distance from the middle of the edge
-            away = _between(x[0], f[0])
+            away = between(x[0], f[0])
             if away > 0.1 * height:
                 for m in range(3):
                     x[0, m] = f[0, m] + (x[0, m] - f[0, m]) * height / away
@@ -273,7 +160,7 @@ def _ideal(run, e, height):
 
 @lean
 def _candidates(run, e, radius):
-    """Sort the vertices within a ball around ``x[0]`` by distance; those of all, by circumradius, if it is infinite."""
+    """Sort the vertices in a ball around ``x[0]`` by distance, or all, by circumradius, if it is infinite."""
     front, nearby = run.front, run.nearby
     a, b, count = front.ends[e, 0], front.ends[e, 1], 0
     for i in range(nearby.many[0]):
@@ -281,9 +168,9 @@ def _candidates(run, e, radius):
         if v == a or v == b:
             continue
         if radius < inf:
-            key = _between(front.xyz[v], run.x[0])
+            key = between(front.xyz[v], run.x[0])
         else:
-            key = _roundness(front.xyz[a], front.xyz[b], front.xyz[v])[1]
+            key = roundness(front.xyz[a], front.xyz[b], front.xyz[v])[1]
         if key > radius or key == inf:
             continue
         k = count
@@ -318,7 +205,7 @@ def _is_clear(run, e, p, least):
             if (p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2 < least * least:
                 return False
     for i in range(nearby.many[3]):  # of what is meshed: the point would lie in it
-        if _between(front.xyz[nearby.inner[i]], run.x[0]) < least:
+        if between(front.xyz[nearby.inner[i]], run.x[0]) < least:
             return False
     return True
 
@@ -337,7 +224,7 @@ def _step(run, e):
         c = run.candidate[i]
         if _facing(front, nearby, a, b, front.xyz[c]) < LEAST_FACING:
             continue
-        if _roundness(front.xyz[a], front.xyz[b], front.xyz[c])[0] < LEAST_ROUND:
+        if roundness(front.xyz[a], front.xyz[b], front.xyz[c])[0] < LEAST_ROUND:
             continue
         if fault_of(front, nearby, a, b, c, nearby.place[c]) == 0:
             _accept(run, e, c)
@@ -426,7 +313,7 @@ def first_triangle(run, v):
         run.x[1, m] = 0.0
         for k in range(3):
             run.x[1, m] += run.place[k] * run.held.corners[t, k, m]
-    if _between(run.x[1], front.xyz[v]) < 0.5 * side:
+    if between(run.x[1], front.xyz[v]) < 0.5 * side:
         return False
     w = enter_front_vertex(front, run.x[1], side, t, part)
     for m in range(3):
