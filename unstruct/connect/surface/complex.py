@@ -10,16 +10,7 @@ from numpy.typing import NDArray
 from ...base.jit import kernel
 from ...geometry.inside_shell import side_mates
 from ..insertion.halfedges import UNUSED, next_edge, prev_edge
-from .halfedges import (
-    CORNER,
-    FREE_SLOT,
-    FREE_VERTEX,
-    ON_CURVE,
-    SMOOTH,
-    SURFACE_SLOTS,
-    SURFACE_VERTICES,
-    Sheets,
-)
+from .halfedges import CORNER, FREE_SLOT, FREE_VERTEX, ON_CURVE, SMOOTH, SURFACE_SLOTS, SURFACE_VERTICES, Sheets
 
 __all__ = ["Taken", "SurfaceComplex"]
 
@@ -145,20 +136,8 @@ class SurfaceComplex:
         xyz = np.array(points[self.master])
         none = np.zeros(used, dtype=np.int64)
         self.sheets = Sheets(
-            xyz,
-            at[:used].copy(),
-            kind,
-            on,
-            none,
-            np.ones(used),
-            np.full(used, np.inf),
-            np.zeros(used),
-            none.copy(),
-            vertex,
-            twin,
-            curve,
-            name,
-            state,
+            xyz, at[:used].copy(), kind, on, none, np.ones(used), np.full(used, np.inf), np.zeros(used), none.copy(),
+            vertex, twin, curve, name, state,
         )
 
     def grow(self, vertices: int, triangles: int) -> None:
@@ -169,10 +148,7 @@ class SurfaceComplex:
         if more:
             s = s._replace(
                 **{name: _longer(getattr(s, name), more, -1) for name in ("at", "on")},
-                **{
-                    name: _longer(getattr(s, name), more, 0)
-                    for name in ("xyz", "kind", "near", "size", "cap", "allowed", "mark")
-                },
+                **{name: _longer(getattr(s, name), more, 0) for name in ("xyz", "kind", "near", "size", "cap", "allowed", "mark")},
             )
         if slots:
             s = s._replace(
@@ -208,12 +184,7 @@ class SurfaceComplex:
         pairs = np.sort(pairs, axis=1)
         edges, first = np.unique(pairs, axis=0, return_index=True)
         return Taken(
-            s.xyz[vertices],
-            rows,
-            vertices,
-            kept,
-            edges.reshape(-1, 2),
-            s.curve[sides[first]].astype(np.int32),
+            s.xyz[vertices], rows, vertices, kept, edges.reshape(-1, 2), s.curve[sides[first]].astype(np.int32)
         )
 
 

@@ -13,9 +13,7 @@ __all__ = ["count_degrees", "flip_if_better", "flip_pass"]
 
 FLIPS_WAITING = 256  # edges beyond are left for the next pass
 BETTER = 1.0 + 1e-9
-SHARPEST_BY_DEGREE = (
-    0.11  # sharpness of twenty degrees: flips for the sake of degrees make no sharper triangles
-)
+SHARPEST_BY_DEGREE = 0.11  # sharpness of twenty degrees: flips for the sake of degrees make no sharper triangles
 
 
 @lean
@@ -101,12 +99,7 @@ def flip_if_better(work, e, by_degree):
         return False
     flip_edge(s, e)
     if by_degree:
-        s.mark[u], s.mark[w], s.mark[p], s.mark[q] = (
-            s.mark[u] - 1,
-            s.mark[w] - 1,
-            s.mark[p] + 1,
-            s.mark[q] + 1,
-        )
+        s.mark[u], s.mark[w], s.mark[p], s.mark[q] = s.mark[u] - 1, s.mark[w] - 1, s.mark[p] + 1, s.mark[q] + 1
     work.counts[FLIPPED] += 1
     return True
 

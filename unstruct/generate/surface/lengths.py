@@ -47,10 +47,7 @@ NEARLY_LONGEST = 1.0 + 1e-9
 def _longest_near(s, e):
     """From edge e over longer and longer ones to one that is the longest of its triangles."""
     while True:
-        best, length = (
-            e,
-            NEARLY_LONGEST * distance_squared(s.xyz, s.vertex[next_edge(e)], s.vertex[prev_edge(e)]),
-        )
+        best, length = e, NEARLY_LONGEST * distance_squared(s.xyz, s.vertex[next_edge(e)], s.vertex[prev_edge(e)])
         side = e
         for _ in range(2):
             if side < 0:
@@ -144,9 +141,7 @@ def _collapsed_least(work, e, longest):
         a, b = s.vertex[next_edge(c)], s.vertex[prev_edge(c)]
         if a != w:
             length = distance_squared(s.xyz, a, w)
-            if length > longest * longest * wanted_squared(s, a, w) and length > distance_squared(
-                s.xyz, a, u
-            ):
+            if length > longest * longest * wanted_squared(s, a, w) and length > distance_squared(s.xyz, a, u):
                 return -1.0
             if b != w:
                 if not smooth:

@@ -83,9 +83,7 @@ def _most_allowed(s, t):
 
     Collapses and moves keep to what is allowed at the vertex that they concern.
     """
-    within = max(
-        s.allowed[s.vertex[3 * t]], max(s.allowed[s.vertex[3 * t + 1]], s.allowed[s.vertex[3 * t + 2]])
-    )
+    within = max(s.allowed[s.vertex[3 * t]], max(s.allowed[s.vertex[3 * t + 1]], s.allowed[s.vertex[3 * t + 2]]))
     return within * within
 
 

@@ -51,12 +51,7 @@ def _star_middle(s, v, p, n):
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         h = s.size[v] + s.size[a] + s.size[b]
         area = (nx * nx + ny * ny + nz * nz) ** 0.5 / (h * h * h)
-        sx, sy, sz, weight = (
-            sx + area * (ux + vx),
-            sy + area * (uy + vy),
-            sz + area * (uz + vz),
-            weight + area,
-        )
+        sx, sy, sz, weight = sx + area * (ux + vx), sy + area * (uy + vy), sz + area * (uz + vz), weight + area
         c = turned(s.twin, c)
         if c == start or c < 0:
             break
@@ -136,3 +131,5 @@ def search_at(work, v):
         s.near[v] = near
         return False
     return moved
+
+

@@ -77,14 +77,7 @@ class RemeshRun:
         """The record for kernels: of the arrays as they are now."""
         sheets = self.complex.sheets
         return RemeshWork(
-            sheets,
-            self.support.held,
-            self.x,
-            np.zeros(3),
-            np.zeros(3),
-            self.place,
-            self.stack,
-            self.counts,
+            sheets, self.support.held, self.x, np.zeros(3), np.zeros(3), self.place, self.stack, self.counts,
             self.slack,
         )
 
@@ -102,9 +95,7 @@ class RemeshRun:
         asked = self.asked(used)
         s.size[used] = np.minimum(asked, np.maximum(s.cap[used], LEAST_SHARE * asked))
         if self.deviation is None:
-            coarse = np.minimum(
-                0.5 * ALLOWED * asked + COARSE * self.faceting[s.near[used]], MOST_ALLOWED * asked
-            )
+            coarse = np.minimum(0.5 * ALLOWED * asked + COARSE * self.faceting[s.near[used]], MOST_ALLOWED * asked)
             s.allowed[used] = np.maximum(KEPT_TO * ALLOWED * asked, coarse)
         else:
             s.allowed[used] = self.deviation * self.support.factor

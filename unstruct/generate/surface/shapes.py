@@ -37,9 +37,7 @@ __all__ = [
     "wanted_squared",
 ]
 
-LEAST_COSINE_SQUARED = (
-    0.04  # of the angle between a new triangle and the direction that it should have: 78 degrees
-)
+LEAST_COSINE_SQUARED = 0.04  # of the angle between a new triangle and the direction that it should have: 78 degrees
 TINY = 1e-24  # a squared distance between points that are equal but for rounding
 SPLITS, COLLAPSES, FLIPPED, MOVES, TOO_FAR, TURNED = 0, 1, 2, 3, 4, 5  # places in the counts
 

@@ -17,9 +17,7 @@ __all__ = ["moved_onto"]
 
 Array = NDArray[np.float64]
 ROUNDS_OF_DIVISION = 12  # each halves edges
-OFF_SHARE = (
-    0.1  # of the distance that is allowed: edges whose middle is farther from the true surface are halved
-)
+OFF_SHARE = 0.1  # of the distance that is allowed: edges whose middle is farther from the true surface are halved
 
 
 def moved_onto(
