@@ -110,9 +110,7 @@ def walked(held, p, n, t, place):
     good = _admitted(held.normals, t, n)
     for _ in range(FARTHEST_WALK):
         moved = False
-        k = (
-            0 if place[0] > ON_SIDE else (1 if place[1] > ON_SIDE else 2)
-        )  # a corner that the point depends on
+        k = 0 if place[0] > ON_SIDE else (1 if place[1] > ON_SIDE else 2)  # it depends on this corner
         v, other, inner = rows[t, k], -1, min(place[0], min(place[1], place[2])) > ON_SIDE
         for j in range(k + 1, 3):
             if place[j] > ON_SIDE:

@@ -55,7 +55,8 @@ def onto(p, corner, place):
                 return height * height / square
             inner = 0.0  # the weights in a thin triangle are rounded badly: a place on a side may be better
             for m in range(3):
-                inner += (p[m] - place[0] * corner[0, m] - place[1] * corner[1, m] - place[2] * corner[2, m]) ** 2
+                away = p[m] - place[0] * corner[0, m] - place[1] * corner[1, m] - place[2] * corner[2, m]
+                inner += away * away
             keep_1, keep_2 = place[1], place[2]
             for i in range(3):
                 away = _onto_edge(p, corner, i, (i + 1) % 3, place)

@@ -58,7 +58,8 @@ def cleaned(surface: Any) -> Cleaned:
     found = surface
     if repeated.any() or turned.any():
         markers = {
-            name: values[~repeated] if values.ndim == 1 else values for name, values in surface.markers.items()
+            name: values[~repeated] if values.ndim == 1 else values
+            for name, values in surface.markers.items()
         }
         found = Mesh(surface.points, triangles, markers=markers, regions=surface.regions)
     counts = {

@@ -13,7 +13,9 @@ __all__ = ["count_degrees", "flip_if_better", "flip_pass"]
 
 FLIPS_WAITING = 256  # edges beyond are left for the next pass
 BETTER = 1.0 + 1e-9
-SHARPEST_BY_DEGREE = 0.11  # sharpness of twenty degrees: flips for the sake of degrees make no sharper triangles
+SHARPEST_BY_DEGREE = (
+    0.11  # sharpness of twenty degrees: flips for the sake of degrees make no sharper triangles
+)
 
 
 @lean
@@ -46,7 +48,7 @@ def _too_far(work, e):
 
 @inline
 def _excess(s, v, change):
-    """How much the square of the difference of a vertex from six edges would change; features may have any."""
+    """How much the squared difference of a vertex from six edges would change; features may have any."""
     if s.kind[v] != SMOOTH:
         return 0
     more = s.mark[v] - 6
@@ -64,7 +66,7 @@ def _is_obtuse(s, u, w, p):
 
 @lean
 def flip_if_better(work, e, by_degree):
-    """Flip an edge if the sharper one of its triangles becomes less sharp, or, by degree, if degrees get nearer 6.
+    """Flip an edge if the sharper one of its triangles becomes less sharp, or if degrees get nearer to 6.
 
     Never where a triangle would turn over, or the surface leave the given one. By degree, the numbers of
     edges at vertices are in ``mark``. Otherwise one of the angles opposite the edge must be obtuse, as it is
@@ -99,7 +101,12 @@ def flip_if_better(work, e, by_degree):
         return False
     flip_edge(s, e)
     if by_degree:
-        s.mark[u], s.mark[w], s.mark[p], s.mark[q] = s.mark[u] - 1, s.mark[w] - 1, s.mark[p] + 1, s.mark[q] + 1
+        s.mark[u], s.mark[w], s.mark[p], s.mark[q] = (
+            s.mark[u] - 1,
+            s.mark[w] - 1,
+            s.mark[p] + 1,
+            s.mark[q] + 1,
+        )
     work.counts[FLIPPED] += 1
     return True
 
@@ -126,7 +133,7 @@ def _flip_near(work, e, by_degree, waiting):
 
 @kernel
 def count_degrees(work, start, stop, used):
-    """Write the numbers of edges at vertices to ``mark``, if they are used; else zeros, as `can_collapse` wants."""
+    """Write the numbers of edges at vertices to ``mark``, if used; else zeros, as `can_collapse` wants."""
     s = work.sheets
     for v in range(start, stop):
         s.mark[v] = degree_of(s, v) if used and s.at[v] >= 0 else 0

@@ -9,6 +9,7 @@ from __future__ import annotations
 from ...base.jit import kernel, lean
 from ...connect.insertion.halfedges import UNUSED, next_edge, prev_edge
 from ...connect.surface.halfedges import (
+    SEAM,
     SMOOTH,
     SURFACE_SLOTS,
     can_collapse,
@@ -47,12 +48,17 @@ NEARLY_LONGEST = 1.0 + 1e-9
 def _longest_near(s, e):
     """From edge e over longer and longer ones to one that is the longest of its triangles."""
     while True:
-        best, length = e, NEARLY_LONGEST * distance_squared(s.xyz, s.vertex[next_edge(e)], s.vertex[prev_edge(e)])
+        best, length = (
+            e,
+            NEARLY_LONGEST * distance_squared(s.xyz, s.vertex[next_edge(e)], s.vertex[prev_edge(e)]),
+        )
         side = e
         for _ in range(2):
             if side < 0:
                 break
             for g in (next_edge(side), prev_edge(side)):
+                if s.curve[g] >= SEAM:
+                    continue
                 other = distance_squared(s.xyz, s.vertex[next_edge(g)], s.vertex[prev_edge(g)])
                 if other > length:
                     best, length = g, NEARLY_LONGEST * other
@@ -64,7 +70,7 @@ def _longest_near(s, e):
 
 @lean
 def split_checked(work, e):
-    """Split an edge in its middle, which is moved onto the given surface unless a triangle would turn over."""
+    """Split an edge in its middle, which is moved onto the surface unless a triangle would turn over."""
     s = work.sheets
     m = split_edge(s, e)
     p = work.x[0]
@@ -98,11 +104,11 @@ def _flip_around(work, m):
 
 @kernel
 def split_pass(work, start, most):
-    """Split edges of more than 4/3 of the wanted length, about so many; where it stopped, or -1 at the end."""
+    """Split edges of more than 4/3 of the wanted length, at most so many; where it stopped, or -1."""
     s = work.sheets
     e, last = start, work.counts[SPLITS] + most
     while e < 3 * s.state[SURFACE_SLOTS]:
-        if s.vertex[e - e % 3] == UNUSED or s.twin[e] > e:
+        if s.vertex[e - e % 3] == UNUSED or s.twin[e] > e or s.curve[e] >= SEAM:
             e += 1
             continue
         while True:
@@ -141,7 +147,9 @@ def _collapsed_least(work, e, longest):
         a, b = s.vertex[next_edge(c)], s.vertex[prev_edge(c)]
         if a != w:
             length = distance_squared(s.xyz, a, w)
-            if length > longest * longest * wanted_squared(s, a, w) and length > distance_squared(s.xyz, a, u):
+            if length > longest * longest * wanted_squared(s, a, w) and length > distance_squared(
+                s.xyz, a, u
+            ):
                 return -1.0
             if b != w:
                 if not smooth:

@@ -41,7 +41,7 @@ def _lower(s, v, length, square, bound):
 
 @kernel
 def lower_pass(work, start, stop, bound):
-    """Write to ``bound`` (n,), which is infinite before, the sizes for which the surface would be near enough."""
+    """Write to ``bound`` (n,), infinite before, the sizes for which the surface would be near enough."""
     s = work.sheets
     for t in range(start, stop):
         if s.vertex[3 * t] == UNUSED:
@@ -83,7 +83,9 @@ def _most_allowed(s, t):
 
     Collapses and moves keep to what is allowed at the vertex that they concern.
     """
-    within = max(s.allowed[s.vertex[3 * t]], max(s.allowed[s.vertex[3 * t + 1]], s.allowed[s.vertex[3 * t + 2]]))
+    within = max(
+        s.allowed[s.vertex[3 * t]], max(s.allowed[s.vertex[3 * t + 1]], s.allowed[s.vertex[3 * t + 2]])
+    )
     return within * within
 
 

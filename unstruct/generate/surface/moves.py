@@ -7,7 +7,7 @@ from ...connect.insertion.halfedges import next_edge, prev_edge
 from ...connect.surface.halfedges import CORNER, ON_CURVE, SMOOTH, first_corner, turned
 from .shapes import MOVES, settle, star_is_near, star_least, star_normal
 
-__all__ = ["move_pass", "search_at"]
+__all__ = ["move_pass", "put_pass", "search_at"]
 
 SHARP_ENOUGH = 0.25  # sharpness of 30 degrees: a move that leaves triangles so good is never refused
 SEARCH_STEP, LAST_STEP = 0.2, 0.01  # of a pattern search, in wanted lengths
@@ -15,7 +15,7 @@ SEARCH_STEP, LAST_STEP = 0.2, 0.01  # of a pattern search, in wanted lengths
 
 @lean
 def _curve_middle(s, v, p):
-    """Write the middle between the neighbors of a vertex along its curve, nearer to the one of smaller size."""
+    """Write the middle between the neighbors along a curve, nearer to the one of smaller size."""
     one = two = -1
     start = first_corner(s, v)
     c = start
@@ -51,7 +51,12 @@ def _star_middle(s, v, p, n):
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         h = s.size[v] + s.size[a] + s.size[b]
         area = (nx * nx + ny * ny + nz * nz) ** 0.5 / (h * h * h)
-        sx, sy, sz, weight = sx + area * (ux + vx), sy + area * (uy + vy), sz + area * (uz + vz), weight + area
+        sx, sy, sz, weight = (
+            sx + area * (ux + vx),
+            sy + area * (uy + vy),
+            sz + area * (uz + vz),
+            weight + area,
+        )
         c = turned(s.twin, c)
         if c == start or c < 0:
             break
@@ -75,7 +80,7 @@ def _put(work, v, t):
 
 @kernel
 def move_pass(work, start, stop):
-    """Move each vertex to the middle of its star, or of its neighbors on a curve; halfway, if that is too far."""
+    """Move each vertex to the middle of its star, or of its neighbors on a curve; else halfway."""
     s, p, ref = work.sheets, work.x[0], work.ref
     for v in range(start, stop):
         if s.at[v] < 0 or s.kind[v] == CORNER:
@@ -96,6 +101,22 @@ def move_pass(work, start, stop):
             for k in range(3):
                 p[k] = 0.5 * (p[k] + s.xyz[v, k])
     return 0
+
+
+@kernel
+def put_pass(work, start, stop, places):
+    """Move vertices, but corners, to these places (n, 3) where no triangle turns over; how many stay."""
+    s, ref, stay = work.sheets, work.ref, 0
+    for v in range(start, stop):
+        if s.at[v] < 0 or s.kind[v] == CORNER:
+            continue
+        star_normal(s, v, ref)
+        if star_least(s, v, places[v], ref, 0.0) > 0.0:
+            for k in range(3):
+                s.xyz[v, k] = places[v, k]
+        else:
+            stay += 1
+    return stay
 
 
 @lean
@@ -131,5 +152,3 @@ def search_at(work, v):
         s.near[v] = near
         return False
     return moved
-
-

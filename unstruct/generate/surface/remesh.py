@@ -11,18 +11,21 @@ from ...base.arguments import DEFAULT_BUDGET, as_count, as_flag, positive
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.surface.complex import SurfaceComplex, Taken
+from ...domain.domain import Domain
 from ...domain.given_surface import USUAL_SHARP, GivenSurface, given_surface
+from ...geometry.edge_vectors import lengths
 from ...geometry.support_features import same_points
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
-from ...sizing.asked import MISSED_SIZE, too_large
-from ...sizing.field import as_size
+from ...sizing.asked import MISSED_SIZE, MUCH_LONGER
+from ...sizing.field import SizeField, as_size
 from .cleaning import Cleaned, cleaned
 from .distances import curve_deviation, surface_deviation
 from .measuring import FAR, FLAT, INVERTED
-from .run import ROUNDS, RemeshRun
+from .run import ALLOWED, ROUNDS, RemeshRun
 from .seams import divide_seams
 from .shapes import COLLAPSES, FLIPPED, MOVES, SPLITS, TOO_FAR, TURNED
+from .true_surface import moved_onto, nearest_by
 
 __all__ = ["remesh"]
 
@@ -113,15 +116,37 @@ def remesh(
     most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
     progress = as_flag(progress, "progress")
     clean = cleaned(surface)
+    if onto is not None:
+        clean = clean._replace(surface=_true(clean.surface, onto, field, within, most))
     given = given_surface(clean.surface, sharp)
     run, group, seams = _begun(given, field, within, most)
     with progress_bar(progress, " rounds", total=ROUNDS) as bar:
         run.run(bar)
         crossing = run.untangle(bar)
+    if onto is not None:
+        factor = given.support.factor
+        run.put(nearest_by(onto, run.complex.sheets.xyz[: run.used] / factor) * factor)
+        crossing = run.crossing()
     return noticed(_account(given, clean, run, crossing, group, seams, sharp))
 
 
-def _begun(given: GivenSurface, field: Any, within: float | None, most: int) -> tuple[RemeshRun, Any, int]:
+def _true(surface: Any, onto: Any, field: SizeField, within: float | None, most: int) -> Mesh:
+    """The given triangles moved onto the true surface, divided where that is needed."""
+    if isinstance(surface, Domain):
+        given = given_surface(surface, None)
+        rows = np.asarray(given.support.triangles)
+        names = {name: rows[among] for name, among in given.names.items()}
+        surface = Mesh(surface.points, rows, markers=names | given.edges | given.values)
+
+    def allowed(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return ALLOWED * field(x) if within is None else np.full(len(x), within)
+
+    return moved_onto(surface, onto, allowed, most)
+
+
+def _begun(
+    given: GivenSurface, field: SizeField, within: float | None, most: int
+) -> tuple[RemeshRun, Any, int]:
     """The run before its first round; for each name of a triangle one that is given; the number of seams."""
     support = given.support
     rows = support.held.rows
@@ -168,8 +193,8 @@ def _account(
     mesh = Mesh(points, taken.triangles)
     fault = run.faults()[taken.slots]
     crossed = np.isin(taken.slots, crossing)
-    large = np.zeros(mesh.size, dtype=bool)
-    large[too_large(mesh, run.size).cells] = True
+    sides = points[taken.triangles] - points[np.roll(taken.triangles, 1, axis=1)]
+    large = lengths(sides).max(axis=1) > MUCH_LONGER * run.size(points[taken.triangles].mean(axis=1))
     why: dict[int, str] = {}
     for i in np.flatnonzero(large).tolist():
         why[i] = NO_BUDGET if run.short else MISSED_SIZE

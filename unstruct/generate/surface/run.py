@@ -13,11 +13,11 @@ from ...geometry.embedded import meeting_pairs
 from ...geometry.support import Support
 from ...geometry.support_walk import WAITING_BOXES
 from ...sizing.field import SizeField
+from .faceting import faceting
 from .flips import count_degrees, flip_pass
 from .lengths import collapse_pass, split_pass
 from .measuring import FAR, FLAT, faults_pass, grade_pass, lower_pass
-from .moves import move_pass
-from .faceting import faceting
+from .moves import move_pass, put_pass
 from .shapes import COLLAPSES, FLIPPED, SPLITS, RemeshWork
 from .sharpest import mend_pass, sharpest_pass
 
@@ -77,7 +77,14 @@ class RemeshRun:
         """The record for kernels: of the arrays as they are now."""
         sheets = self.complex.sheets
         return RemeshWork(
-            sheets, self.support.held, self.x, np.zeros(3), np.zeros(3), self.place, self.stack, self.counts,
+            sheets,
+            self.support.held,
+            self.x,
+            np.zeros(3),
+            np.zeros(3),
+            self.place,
+            self.stack,
+            self.counts,
             self.slack,
         )
 
@@ -95,7 +102,9 @@ class RemeshRun:
         asked = self.asked(used)
         s.size[used] = np.minimum(asked, np.maximum(s.cap[used], LEAST_SHARE * asked))
         if self.deviation is None:
-            coarse = np.minimum(0.5 * ALLOWED * asked + COARSE * self.faceting[s.near[used]], MOST_ALLOWED * asked)
+            coarse = np.minimum(
+                0.5 * ALLOWED * asked + COARSE * self.faceting[s.near[used]], MOST_ALLOWED * asked
+            )
             s.allowed[used] = np.maximum(KEPT_TO * ALLOWED * asked, coarse)
         else:
             s.allowed[used] = self.deviation * self.support.factor
@@ -105,15 +114,15 @@ class RemeshRun:
         start = 0
         while start >= 0:
             room = self.room()
-            if self.short:
+            if room == 0:
                 return
             self.complex.grow(room, 2 * room)
-            start = int(split_pass(self.work, start, AT_ONCE))
+            start = int(split_pass(self.work, start, min(room, AT_ONCE)))
 
     def room(self) -> int:
         """For how many vertices arrays should grow; notes if there may be no more."""
         room = min(int(GROWN * self.used) + 1, self.budget - self.used)
-        self.short = room <= 0
+        self.short = self.short or room <= 0
         return max(room, 0)
 
     @property
@@ -122,7 +131,7 @@ class RemeshRun:
         return int(self.complex.sheets.state[SURFACE_VERTICES])
 
     def sweep(self, kernel: Any, count: int, *arguments: Any) -> int:
-        """Call a kernel for one part of ``count`` places after the other, so that Ctrl-C has a chance between."""
+        """Call a kernel for parts of ``count`` places, one after the other: Ctrl-C has a chance between."""
         work, total = self.work, 0
         for start in range(0, count, AT_ONCE):
             total += kernel(work, start, min(start + AT_ONCE, count), *arguments)
@@ -211,15 +220,17 @@ class RemeshRun:
     def mend(self, fault: NDArray[np.int8]) -> None:
         """Finer triangles where those there are too far from the surface."""
         start = 0
-        while start >= 0 and not self.short:
+        while start >= 0:
             room = self.room()
+            if room == 0:
+                break
             self.complex.grow(room, 2 * room)
-            start = int(mend_pass(self.work, fault, FAR))
+            start = int(mend_pass(self.work, fault, FAR, room))
         self.flip(False)
         self.sharpen(LEAST_TARGET)
 
     def crossing(self) -> NDArray[np.int64]:
-        """Slots of triangles that meet others outside of common vertices and edges; those that are flat do not."""
+        """Slots of triangles that meet others outside of common vertices and edges, without flat ones."""
         taken = self.complex.taken()
         sound = np.flatnonzero(self.faults()[taken.slots] & FLAT == 0)
         pairs = meeting_pairs(taken.points, np.ascontiguousarray(taken.triangles[sound]))
@@ -240,6 +251,10 @@ class RemeshRun:
             bar.update()
             found = self.crossing()
         return found
+
+    def put(self, places: Array) -> int:
+        """Move vertices to these places, where no triangle turns over; how many stay."""
+        return self.sweep(put_pass, self.used, places)
 
     def run(self, bar: Any) -> None:
         self.begin()

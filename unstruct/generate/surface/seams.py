@@ -1,16 +1,15 @@
-"""Edges in which other than two triangles meet: they are divided first, alike in all sheets, and then kept."""
+"""Edges in which more than two triangles meet: they are divided first, alike in all sheets, and kept."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...base.jit import kernel
 from ...connect.insertion.halfedges import next_edge, prev_edge
 from ...connect.surface.complex import SurfaceComplex
-from ...connect.surface.halfedges import CORNER, SURFACE_SLOTS, edge_between, split_edge
+from ...connect.surface.halfedges import CORNER, SEAM, SURFACE_SLOTS, edge_between, split_edge
 
 __all__ = ["divide_seams"]
 
@@ -34,6 +33,7 @@ def _divide(sheets, pairs, start, points, made):
     """
     for i in range(pairs.shape[0]):
         e = edge_between(sheets, pairs[i, 0], pairs[i, 1])
+        sheets.curve[e] += SEAM
         for j in range(start[i], start[i + 1]):
             m = split_edge(sheets, e)
             for k in range(3):

@@ -1,7 +1,7 @@
 """Kernels: the shapes of triangles of a surface, and of the star of a vertex if it were moved.
 
-The *sharpness* of a triangle is the square of the sine of its smallest angle: 3/4 for an equilateral triangle,
-1/4 for 30 degrees. It is negative for one that faces away from a direction of reference.
+The *sharpness* of a triangle is the square of the sine of its smallest angle: 3/4 for an equilateral
+triangle, 1/4 for 30 degrees. It is negative for one that faces away from a direction of reference.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, lean
 from ...connect.insertion.halfedges import next_edge, prev_edge
-from ...connect.surface.halfedges import ON_CURVE, SMOOTH, Sheets, first_corner, turned
+from ...connect.surface.halfedges import ON_CURVE, SEAM, SMOOTH, Sheets, first_corner, turned
 from ...geometry.support_walk import Held, nearest_from, nearest_on_chain, walked
 
 __all__ = [
@@ -37,7 +37,9 @@ __all__ = [
     "wanted_squared",
 ]
 
-LEAST_COSINE_SQUARED = 0.04  # of the angle between a new triangle and the direction that it should have: 78 degrees
+LEAST_COSINE_SQUARED = (
+    0.04  # of the angle between a new triangle and the direction that it should have: 78 degrees
+)
 TINY = 1e-24  # a squared distance between points that are equal but for rounding
 SPLITS, COLLAPSES, FLIPPED, MOVES, TOO_FAR, TURNED = 0, 1, 2, 3, 4, 5  # places in the counts
 
@@ -209,23 +211,26 @@ def _away(work, t):
 
 @lean
 def settle(work, v, kind, guess):
-    """Move the candidate to the nearest point of the given surface, or of the feature curve; the triangle there.
+    """Move the candidate to the nearest point of the given surface, or of its curve; the triangle there.
 
     ``v`` is the vertex for which it is.
     """
     p, held, place, s = work.x[0], work.held, work.place, work.sheets
     if kind == ON_CURVE:
         e = nearest_on_chain(held, work.x, 0, s.on[v], place, work.stack)
-        one, two = place[0], place[1]
+        share = place[1]
         for k in range(3):
-            p[k] = one * held.edges[e, 0, k] + two * held.edges[e, 1, k]
+            a, b = held.edges[e, 0, k], held.edges[e, 1, k]
+            p[k] = a + share * (b - a) if share < 1.0 else b
         return nearest_to(work, guess, TINY)[0]
     t = nearest_to(work, guess, s.allowed[v] * s.allowed[v])[0]
     for k in range(3):
-        total = 0.0
-        for j in range(3):
-            total += place[j] * held.corners[t, j, k]
-        p[k] = total
+        a, b, c = held.corners[t, 0, k], held.corners[t, 1, k], held.corners[t, 2, k]
+        p[k] = a + (
+            place[1] * (b - a) + place[2] * (c - a)
+        )  # in a plane of constant x, y or z it stays there
+        if place[1] == 1.0 or place[2] == 1.0:
+            p[k] = b if place[1] == 1.0 else c
     return t
 
 
@@ -236,6 +241,8 @@ def middle_distance(work, u, w, curve, within):
     From the surface, a walk is good enough if it ends at no more than this distance squared.
     """
     s, p, held, place = work.sheets, work.x[0], work.held, work.place
+    if curve >= SEAM:  # it is a part of a given edge
+        return 0.0
     for k in range(3):
         p[k] = 0.5 * (s.xyz[u, k] + s.xyz[w, k])
     if curve < 0:

@@ -6,11 +6,11 @@ import numpy as np
 
 from ...base.jit import kernel, lean
 from ...connect.insertion.halfedges import UNUSED, next_edge, prev_edge
-from ...connect.surface.halfedges import first_corner, has_room, turned
+from ...connect.surface.halfedges import SEAM, first_corner, has_room, turned
 from .flips import flip_if_better
 from .lengths import collapse_checked, split_checked
 from .moves import search_at
-from .shapes import add_normal, distance_squared, sharpness
+from .shapes import SPLITS, distance_squared, sharpness
 
 __all__ = ["mend_pass", "sharpest_pass"]
 
@@ -83,20 +83,22 @@ def sharpest_pass(work, start, stop, target, tried):
 
 
 @kernel
-def mend_pass(work, fault, kinds):
-    """Split the longest edges of triangles with one of these faults; where it stopped for want of room, or -1."""
-    s = work.sheets
+def mend_pass(work, fault, kinds, most):
+    """Split the longest edges of triangles with such faults; where it stopped for want of room, or -1."""
+    s, last = work.sheets, work.counts[SPLITS] + most
     for t in range(fault.shape[0]):
         if s.vertex[3 * t] == UNUSED or fault[t] & kinds == 0:
             continue
-        if not has_room(s, 1, 2):
+        if work.counts[SPLITS] >= last or not has_room(s, 1, 2):
             return t
         longest, most = 3 * t, 0.0
         for e in range(3 * t, 3 * t + 3):
             length = distance_squared(s.xyz, s.vertex[next_edge(e)], s.vertex[prev_edge(e)])
-            if length > most:
+            if length > most and s.curve[e] < SEAM:
                 longest, most = e, length
         fault[t] = 0
+        if most == 0.0:
+            continue
         if s.twin[longest] >= 0 and s.twin[longest] // 3 < fault.shape[0]:
             fault[s.twin[longest] // 3] = 0  # it is halved, too
         split_checked(work, longest)

@@ -13,11 +13,13 @@ from ...base.errors import InputError
 from ...geometry.edge_vectors import lengths
 from ...mesh.mesh import Mesh
 
-__all__ = ["moved_onto"]
+__all__ = ["moved_onto", "nearest_by"]
 
 Array = NDArray[np.float64]
 ROUNDS_OF_DIVISION = 12  # each halves edges
-OFF_SHARE = 0.1  # of the distance that is allowed: edges whose middle is farther from the true surface are halved
+OFF_SHARE = (
+    0.1  # of the distance that is allowed: edges whose middle is farther from the true surface are halved
+)
 
 
 def moved_onto(
@@ -35,7 +37,7 @@ def moved_onto(
     most : int
         The largest number of points.
     """
-    points, triangles = _nearest(onto, mesh.points), np.array(mesh.simplices)
+    points, triangles = nearest_by(onto, mesh.points), np.array(mesh.simplices)
     edges = {n: np.array(rows) for n, rows in mesh.markers.items() if rows.ndim == 2 and rows.shape[1] == 2}
     parent = np.arange(len(triangles))
     for _ in range(ROUNDS_OF_DIVISION):
@@ -44,7 +46,7 @@ def moved_onto(
         key, side = np.unique(ends[:, 0] * n + ends[:, 1], return_inverse=True)
         pairs = np.stack(np.divmod(key, n), axis=1)
         middle = 0.5 * (points[pairs[:, 0]] + points[pairs[:, 1]])
-        true = _nearest(onto, middle)
+        true = nearest_by(onto, middle)
         halved = lengths(true - middle) > OFF_SHARE * allowed(middle)
         if not halved.any() or n + int(halved.sum()) > most:
             break
@@ -64,7 +66,8 @@ def moved_onto(
     return Mesh(points, triangles, markers=markers, regions=mesh.regions)
 
 
-def _nearest(onto: Callable[[Array], Any], x: Array) -> Array:
+def nearest_by(onto: Callable[[Array], Any], x: Array) -> Array:
+    """The points of a true surface, checked."""
     found = as_points(onto(x), "onto(x)")
     if found.shape != x.shape:
         raise InputError(f"onto must return points of shape {x.shape}, not {found.shape}")
