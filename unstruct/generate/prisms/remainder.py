@@ -17,7 +17,8 @@ from ...domain.domain import Domain
 from ...geometry.polygons import Polygons
 from .flat_sides import number_of
 
-__all__ = ["Grown", "Remainder", "border_edges", "remainder", "side_pieces"]
+__all__ = ["Grown", "Remainder", "border_edges", "padded_to_four", "remainder", "side_pieces"]
+
 Rows = NDArray[np.int64]
 CAP_NAME = "a triangle of the cap"
 
@@ -32,7 +33,7 @@ class Grown(NamedTuple):
     cells : dict of str to array
         By kind; "tetra" is the last one.
     column : (c,) int64
-        For each cell, through all kinds, the triangle of the cap that it is below.
+        For each cell, through all kinds, the face of the cap that it is below; the first of several.
     layer : (c,) int64
         The layer of each.
     stem : (n,) int64
@@ -43,8 +44,9 @@ class Grown(NamedTuple):
         The triangles of walls.
     piece : (t,) int64
         The piece of the body that each is a part of.
-    cap : (t, 3) int64
-        The triangles above them: the same vertices where there are no layers.
+    cap : (t, 3) or (t, 4) int64
+        The faces above them: the same vertices where there are no layers. With quadrilaterals triangles are
+        padded by -1; there are none with anything beyond.
     """
 
     points: NDArray[np.float64]
@@ -82,6 +84,11 @@ class Remainder(NamedTuple):
     def name(self, piece: int, body: Domain) -> str:
         """What messages call a piece."""
         return CAP_NAME if self.piece[piece] < 0 else body.name(int(self.piece[piece]))
+
+
+def padded_to_four(rows: Rows) -> Rows:
+    """Rows of three vertices with -1 as the fourth; others as they are."""
+    return np.column_stack([rows, np.full((len(rows), 4 - rows.shape[1]), -1)])
 
 
 def border_edges(triangles: Rows) -> Rows:
