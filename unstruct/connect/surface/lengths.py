@@ -48,6 +48,8 @@ class Sides(NamedTuple):
         Otherwise -1.
     content : (m,) float64
         Four times the area of each triangle.
+    label : (m,) int32
+        A given triangle in the same part of the surface, of those into which kept edges divide it.
     """
 
     vertex: NDArray[np.int32]
@@ -56,6 +58,7 @@ class Sides(NamedTuple):
     turn: NDArray[np.float64]
     under: NDArray[np.int32]
     content: NDArray[np.float64]
+    label: NDArray[np.int32]
 
 
 @inline
