@@ -38,6 +38,7 @@ Array = NDArray[np.float64]
 SHARP_CORNER = np.pi / 3  # angles below it, whole or between kept edges, are no reason to divide
 LONGER = 2.0**0.5  # kept edges may be so many times as long as wanted
 PASSES = 1000
+CLOSER, LEAST_SHARE, GREATEST_SHARE = 0.7, 0.35, 0.6  # by how much shorter edges are wanted at a time
 WALK_ROOM = 512
 LINE_ROOM = 4096
 
@@ -213,6 +214,19 @@ class IntrinsicRun:
         put = self._driven(halve_sides, rows.astype(np.int64)) + self.equalize()
         self.repaired += put
         return put
+
+    def want_less(self, triangles: NDArray[np.int64], excess: Array) -> None:
+        """Want shorter edges at the corners of triangles that are so many times too far from the surface.
+
+        Across a crease the distance is proportional to the length of edges.
+        """
+        sides = self.found.sides
+        x = sides.length.reshape(-1, 3)[triangles]
+        largest = LONGER * x[:, 0] * x[:, 1] * x[:, 2] / sides.content[triangles]  # the size that it fits
+        less = largest * np.clip(CLOSER / excess, LEAST_SHARE, GREATEST_SHARE)
+        corners = sides.vertex.reshape(-1, 3)[triangles]
+        for k in range(3):
+            np.minimum.at(self.wanted, corners[:, k], less)
 
     def equalize(self) -> int:
         """Halve edges at cuts where the same edge of another sheet has been halved; how many vertices were put.

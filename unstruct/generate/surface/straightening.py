@@ -1,4 +1,4 @@
-"""From an intrinsic triangulation to straight triangles in space: one vertex for all sheets, and what is wrong."""
+"""From an intrinsic triangulation to straight triangles in space, and what is wrong with them."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...connect.surface.crossing import unit_normals
-from ...geometry.embedded import embedded, meeting_pairs
+from ...geometry.embedded import embedded, flat_rows, meeting_pairs
 from .intrinsic_run import IntrinsicRun
 
-__all__ = ["Straight", "faulty_sides", "straightened"]
+__all__ = ["Straight", "faulty_sides", "straightened", "too_far"]
 
 Array = NDArray[np.float64]
 
@@ -81,25 +81,52 @@ def _in_doubt(run: IntrinsicRun, straight: Straight) -> NDArray[np.int64]:
     return one[((lines[number] > 1) & ~cut) | (low == high)]
 
 
+def _same_rows(rows: NDArray[np.int32]) -> NDArray[np.int64]:
+    """Triangles with the same corners as another."""
+    ordered = np.sort(rows, axis=1)
+    _, number, count = np.unique(ordered, axis=0, return_inverse=True, return_counts=True)
+    return np.flatnonzero(count[number.ravel()] > 1)
+
+
 def faulty_sides(run: IntrinsicRun, straight: Straight) -> tuple[NDArray[np.int64], str]:
     """Half-edges to be halved so that straight triangles become a surface near the given one; and why."""
     sides = _in_doubt(run, straight)
     if len(sides):
         return sides, "edges with the same ends as others"
     corner = straight.points[straight.triangles]
+    same = _same_rows(straight.triangles)
+    if len(same):
+        return _longest(run, same), "triangles with the same corners as others"
     normal = unit_normals(corner)
-    along = run.given.support.normals[run.found.sides.label]
     weights = np.full((len(corner), 3), 1.0 / 3.0)
     middle = (corner * weights[:, :, None]).sum(axis=1)
     near, _, _ = run.given.support.nearest(middle, hint=run.found.sides.label, normals=normal)
     along = run.given.support.normals[near]
     against = np.flatnonzero((normal * along).sum(axis=1) <= 0.0)
+    against = np.union1d(against, flat_rows(straight.points, straight.triangles))
     if len(against):
         return _longest(run, against), "triangles that face the other way"
     if embedded(straight.points, straight.triangles):
         return np.empty(0, dtype=np.int64), ""
     pairs = meeting_pairs(straight.points, straight.triangles)
     return _longest(run, np.unique(pairs)), "triangles that meet others" if len(pairs) else ""
+
+
+def too_far(
+    run: IntrinsicRun, straight: Straight, near: float
+) -> tuple[NDArray[np.int64], Array, float]:
+    """Triangles that are too far from the surface, how many times too far, and the greatest distance."""
+    support = run.given.support
+    there, back = support.distances(straight.points, straight.triangles)
+    measured = float(max(there.max(), back.max()))
+    excess = there / near if near > 0.0 else np.where(there > 0.0, np.inf, 0.0)
+    if (back > near).any():  # parts of the surface that are far from the mesh: all triangles over them
+        middle = straight.points[straight.triangles].mean(axis=1)
+        below, _, _ = support.nearest(middle, hint=run.found.sides.label)
+        lonely = back[below]
+        excess = np.maximum(excess, lonely / near if near > 0.0 else np.where(lonely > 0.0, np.inf, 0.0))
+    far = np.flatnonzero(excess > 1.0)
+    return far, excess[far], measured
 
 
 def _longest(run: IntrinsicRun, triangles: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -20,7 +20,7 @@ from ...mesh.mesh import Mesh
 from ...sizing import as_size
 from .given_flips import Flipped, flip_given
 from .intrinsic_run import IntrinsicRun
-from .straightening import Straight, faulty_sides, straightened
+from .straightening import Straight, faulty_sides, straightened, too_far
 
 __all__ = ["surface_delaunay"]
 
@@ -29,7 +29,7 @@ FLAT_ENOUGH = 2.0**-44  # of the largest coordinate: the surface moves by no mor
 USUAL_LEAST_ANGLE = 25.0  # degrees
 LARGEST_ASKED_ANGLE = 30.0
 HALVINGS = 6  # of the tolerance of flips, until the measured deviation is what was asked for
-REPAIRS = 60  # rounds of halving edges where straight triangles are no surface, or too far away
+REPAIRS = 15  # rounds of halving edges where straight triangles are no surface, or too far away
 
 
 def surface_delaunay(
@@ -199,30 +199,20 @@ def _refined(run: IntrinsicRun, near: float | None) -> DomainMesh:
     for _ in range(REPAIRS):
         sides, fault = faulty_sides(run, straight)
         far = np.empty(0, dtype=np.int64)
-        if len(sides) == 0:
-            sides, far, measured = _too_far(run, straight, near)
-        if len(sides) == 0 or run.out_of_budget or run.divide(sides) == 0:
+        if len(sides) == 0 and near is not None:
+            far, excess, measured = too_far(run, straight, near)
+            if len(far) == 0:
+                break
+            run.want_less(far, excess)
+        elif len(sides) == 0 or run.divide(sides) == 0:
+            break
+        if run.out_of_budget:
             break
         run.refine()
         straight = straightened(run)
     if not fault and near is None:
         measured = max(run.given.support.deviation(straight.points, straight.triangles))
     return _meshed(run, straight, fault, far, measured)
-
-
-def _too_far(
-    run: IntrinsicRun, straight: Straight, near: float | None
-) -> tuple[NDArray[np.int64], NDArray[np.int64], float]:
-    """Half-edges to be halved, the triangles that are too far from the surface, and the greatest distance."""
-    if near is None:
-        return np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64), 0.0
-    there, back = run.given.support.distances(straight.points, straight.triangles)
-    measured = float(max(there.max(), back.max()))
-    far = np.flatnonzero(there > near)
-    if len(far) == 0 and measured > near:  # parts of the surface that nothing is near to
-        far = np.unique(np.flatnonzero(np.isin(run.found.sides.label, np.flatnonzero(back > near))))
-    h = 3 * far + np.argmax(run.found.sides.length.reshape(-1, 3)[far], axis=1)
-    return np.unique(h).astype(np.int64), far, measured
 
 
 def _meshed(
