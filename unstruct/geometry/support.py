@@ -185,10 +185,13 @@ class Support:
         there, back = self.distances(points, triangles, step)
         return float(there.max()), float(back.max())
 
-    def distances(
+    def samples(
         self, points: ArrayLike, triangles: ArrayLike, step: float | None = None
-    ) -> tuple[Array, Array]:
-        """The same for each triangle of the mesh, (t,), and for each of the surface, (m,)."""
+    ) -> tuple[Array, tuple[Array, NDArray[np.int64]], tuple[Array, NDArray[np.int64]]]:
+        """Where `deviation` measures: the corners of the mesh (t, 3, 3), samples on it, and on the surface.
+
+        All in scaled coordinates. Samples come with the places where those of each triangle begin.
+        """
         x = _in_space(points, "points")
         rows = _rows(triangles, 3, "triangles", len(x))
         if len(rows) == 0:
@@ -202,12 +205,19 @@ class Support:
         if not wanted > 0.0:
             wanted = max(float(longest[0].max()), float(longest[1].max()), 1e-300)
         parts = _parts(longest, wanted)
-        samples, ends = _samples(mesh, parts[0])
+        return mesh, _samples(mesh, parts[0]), _samples(own, parts[1])
+
+    def distances(
+        self, points: ArrayLike, triangles: ArrayLike, step: float | None = None
+    ) -> tuple[Array, Array]:
+        """The same for each triangle of the mesh, (t,), and for each of the surface, (m,)."""
+        mesh, (samples, ends), others = self.samples(points, triangles, step)
+        own = self.held.corners
         which = np.full(len(samples), -1, dtype=np.int64)
         places = np.zeros((len(samples), 3))
         nearest_rows(self.held, samples, np.zeros(samples.shape), which, places)
         there = _farthest(samples, own[which], places, ends)
-        samples, ends = _samples(own, parts[1])
+        samples, ends = others
         which, places = TriangleTree(mesh).nearest(samples)
         return there / self.factor, _farthest(samples, mesh[which], places, ends) / self.factor
 

@@ -32,6 +32,8 @@ __all__ = [
 ]
 
 FARTHEST_WALK = 24  # steps: from farther away a search in the tree is quicker
+ON_SIDE = 1e-7  # a point whose weight of a corner is less may lie on the opposite side, but for rounding
+MOST_AROUND = 24  # triangles at a vertex: from a vertex of more, a walk gives way to the tree
 WAITING_BOXES = 128  # boxes that wait; a tree of boxes is never half as deep
 
 
@@ -108,15 +110,13 @@ def walked(held, p, n, t, place):
     good = _admitted(held.normals, t, n)
     for _ in range(FARTHEST_WALK):
         moved = False
-        k = (
-            0 if place[0] > 0.0 else (1 if place[1] > 0.0 else 2)
-        )  # a corner that the nearest point depends on
-        v, other, inner = rows[t, k], -1, place[0] > 0.0 and place[1] > 0.0 and place[2] > 0.0
+        k = 0 if place[0] > ON_SIDE else (1 if place[1] > ON_SIDE else 2)  # it depends on this corner
+        v, other, inner = rows[t, k], -1, min(place[0], min(place[1], place[2])) > ON_SIDE
         for j in range(k + 1, 3):
-            if place[j] > 0.0:
+            if place[j] > ON_SIDE:
                 other = rows[t, j]
-        if inner and good:  # only the plane of t matters near an inner point
-            break
+        if good and (inner or held.start[v + 1] - held.start[v] > MOST_AROUND):
+            break  # only the plane of t matters near an inner point
         now = t
         for i in range(held.start[v], held.start[v + 1]):
             s = held.around[i]

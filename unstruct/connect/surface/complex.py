@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from ...base.jit import kernel
 from ...geometry.inside_shell import side_mates
 from ..insertion.halfedges import UNUSED, next_edge, prev_edge
-from .halfedges import CORNER, FREE_SLOT, FREE_VERTEX, ON_CURVE, SMOOTH, SURFACE_SLOTS, SURFACE_VERTICES, Sheets
+from .halfedges import CORNER, ON_CURVE, SEAM, SMOOTH, SURFACE_SLOTS, SURFACE_VERTICES, Sheets
 
-__all__ = ["Taken", "SurfaceComplex"]
+__all__ = ["SurfaceComplex", "Taken"]
 
 SPARE = 64  # vertices beyond what is needed, for tiny surfaces
 
@@ -44,7 +44,7 @@ class Taken(NamedTuple):
 
 @kernel
 def _separate(vertex, twin, at, master, count):
-    """Give each fan of triangles around a vertex, but the first one, a copy of the vertex; how many there are.
+    """Give each fan of triangles around a vertex but the first a copy of the vertex; how many there are.
 
     ``master[v]`` is the vertex of which v is a copy, for the first ``count`` vertices v itself.
     """
@@ -136,8 +136,20 @@ class SurfaceComplex:
         xyz = np.array(points[self.master])
         none = np.zeros(used, dtype=np.int64)
         self.sheets = Sheets(
-            xyz, at[:used].copy(), kind, on, none, np.ones(used), np.full(used, np.inf), np.zeros(used), none.copy(),
-            vertex, twin, curve, name, state,
+            xyz,
+            at[:used].copy(),
+            kind,
+            on,
+            none,
+            np.ones(used),
+            np.full(used, np.inf),
+            np.zeros(used),
+            none.copy(),
+            vertex,
+            twin,
+            curve,
+            name,
+            state,
         )
 
     def grow(self, vertices: int, triangles: int) -> None:
@@ -148,7 +160,10 @@ class SurfaceComplex:
         if more:
             s = s._replace(
                 **{name: _longer(getattr(s, name), more, -1) for name in ("at", "on")},
-                **{name: _longer(getattr(s, name), more, 0) for name in ("xyz", "kind", "near", "size", "cap", "allowed", "mark")},
+                **{
+                    name: _longer(getattr(s, name), more, 0)
+                    for name in ("xyz", "kind", "near", "size", "cap", "allowed", "mark")
+                },
             )
         if slots:
             s = s._replace(
@@ -169,7 +184,8 @@ class SurfaceComplex:
         s = self.sheets
         used, slots = int(s.state[SURFACE_VERTICES]), int(s.state[SURFACE_SLOTS])
         master = np.arange(used)
-        master[: len(self.master)] = np.where(s.at[: len(self.master)] >= 0, self.master, master[: len(self.master)])
+        copies = np.flatnonzero(s.kind[: len(self.master)] == CORNER)  # other vertices may be new ones
+        master[copies] = self.master[copies]
         live = np.zeros(used, dtype=bool)
         live[master[s.at[:used] >= 0]] = True
         vertices = np.flatnonzero(live)
@@ -183,7 +199,12 @@ class SurfaceComplex:
         pairs = np.sort(pairs, axis=1)
         edges, first = np.unique(pairs, axis=0, return_index=True)
         return Taken(
-            s.xyz[vertices], rows, vertices, kept, edges.reshape(-1, 2), s.curve[sides[first]].astype(np.int32)
+            s.xyz[vertices],
+            rows,
+            vertices,
+            kept,
+            edges.reshape(-1, 2),
+            (s.curve[sides[first]] % SEAM).astype(np.int32),
         )
 
 

@@ -1,7 +1,7 @@
 """Triangles of a surface as half-edges in arrays that grow, and the operations by which it is remeshed.
 
-Half-edge 3 t + k lies opposite corner k of triangle t, as its entry in `Mesh.neighbors` does. It begins at the
-next corner and ends at the one before:
+Half-edge 3 t + k lies opposite corner k of triangle t, as its entry in `Mesh.neighbors` does. It begins at
+the next corner and ends at the one before:
 
         p = vertex[e]
        / \\
@@ -29,14 +29,15 @@ from ..insertion.halfedges import UNUSED, next_edge, prev_edge
 __all__ = [
     "CORNER",
     "ON_CURVE",
+    "SEAM",
     "SMOOTH",
     "SURFACE_SLOTS",
     "SURFACE_VERTICES",
     "Sheets",
-    "are_joined",
     "can_collapse",
     "can_flip",
     "collapse_edge",
+    "edge_between",
     "first_corner",
     "flip_edge",
     "has_room",
@@ -47,6 +48,7 @@ __all__ = [
 ]
 
 SMOOTH, ON_CURVE, CORNER = 0, 1, 2  # kinds of vertices
+SEAM = 1 << 24  # what is added to the number of a curve for edges that are never split
 
 # Entries of the state: how many vertices and slots of triangles have been used, the first free ones (-1 for
 # none), and the last mark.
@@ -132,19 +134,19 @@ def first_corner(s, v):
 
 
 @lean
-def are_joined(s, u, w):
-    """Whether there is an edge between two vertices."""
+def edge_between(s, u, w):
+    """A half-edge between two vertices, the one from u to w if there is such; -1 if there is no edge."""
     start = first_corner(s, u)
     c = start
     while True:
         if s.vertex[next_edge(c)] == w:
-            return True
+            return prev_edge(c)
         last = c
         c = turned(s.twin, c)
         if c < 0:
-            return s.vertex[prev_edge(last)] == w
+            return next_edge(last) if s.vertex[prev_edge(last)] == w else -1
         if c == start:
-            return False
+            return -1
 
 
 @inline
@@ -154,7 +156,7 @@ def can_flip(s, e):
     if f < 0 or s.curve[e] >= 0:
         return False
     p, q = s.vertex[e], s.vertex[f]
-    return p != q and not are_joined(s, p, q)
+    return p != q and edge_between(s, p, q) < 0
 
 
 @lean
@@ -348,8 +350,7 @@ def split_triangle(s, t):
 def flip_edge(s, e):
     """Turn edge u w of the triangles (p, u, w) and (q, w, u) into p q; `can_flip` says whether it may be.
 
-    The triangles become (p, u, q), with p q opposite u, and (q, w, p), with q p opposite w. Flipping the
-    half-edge ``next_edge(e)`` then restores the old edge.
+    The triangles become (p, u, q) and (q, w, p); the new edge is that of the half-edge ``next_edge(e)``.
     """
     f = s.twin[e]
     e_after, e_before, f_after, f_before = next_edge(e), prev_edge(e), next_edge(f), prev_edge(f)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from ...base.jit import kernel, lean
 from ...connect.insertion.halfedges import UNUSED, next_edge, prev_edge
 from ...connect.surface.halfedges import (
+    SEAM,
     SMOOTH,
     SURFACE_SLOTS,
     can_collapse,
@@ -27,7 +28,8 @@ from .shapes import (
     TURNED,
     add_normal,
     distance_squared,
-    off_surface,
+    middle_distance,
+    nearest_to,
     settle,
     sharpness,
     star_least,
@@ -46,12 +48,17 @@ NEARLY_LONGEST = 1.0 + 1e-9
 def _longest_near(s, e):
     """From edge e over longer and longer ones to one that is the longest of its triangles."""
     while True:
-        best, length = e, NEARLY_LONGEST * distance_squared(s.xyz, s.vertex[next_edge(e)], s.vertex[prev_edge(e)])
+        best, length = (
+            e,
+            NEARLY_LONGEST * distance_squared(s.xyz, s.vertex[next_edge(e)], s.vertex[prev_edge(e)]),
+        )
         side = e
         for _ in range(2):
             if side < 0:
                 break
             for g in (next_edge(side), prev_edge(side)):
+                if s.curve[g] >= SEAM:
+                    continue
                 other = distance_squared(s.xyz, s.vertex[next_edge(g)], s.vertex[prev_edge(g)])
                 if other > length:
                     best, length = g, NEARLY_LONGEST * other
@@ -63,13 +70,13 @@ def _longest_near(s, e):
 
 @lean
 def split_checked(work, e):
-    """Split an edge in its middle, which is moved onto the given surface unless a triangle would turn over."""
+    """Split an edge in its middle, which is moved onto the surface unless a triangle would turn over."""
     s = work.sheets
     m = split_edge(s, e)
     p = work.x[0]
     for k in range(3):
         p[k] = s.xyz[m, k]
-    t = settle(work, s.kind[m], s.on[m], s.near[m])
+    t = settle(work, m, s.kind[m], s.near[m])
     star_normal(s, m, work.ref)
     if star_least(s, m, p, work.ref, 0.0) >= 0.0:
         for k in range(3):
@@ -96,19 +103,19 @@ def _flip_around(work, m):
 
 
 @kernel
-def split_pass(work, start):
-    """Split edges of more than 4/3 of the wanted length; returns where it stopped for want of room, or -1."""
+def split_pass(work, start, most):
+    """Split edges of more than 4/3 of the wanted length, at most so many; where it stopped, or -1."""
     s = work.sheets
-    e = start
+    e, last = start, work.counts[SPLITS] + most
     while e < 3 * s.state[SURFACE_SLOTS]:
-        if s.vertex[e - e % 3] == UNUSED or s.twin[e] > e:
+        if s.vertex[e - e % 3] == UNUSED or s.twin[e] > e or s.curve[e] >= SEAM:
             e += 1
             continue
         while True:
             u, w = s.vertex[next_edge(e)], s.vertex[prev_edge(e)]
             if distance_squared(s.xyz, u, w) <= LONG * LONG * wanted_squared(s, u, w):
                 break
-            if not has_room(s, 1, 2):
+            if work.counts[SPLITS] >= last or not has_room(s, 1, 2):
                 return e
             m = split_checked(work, _longest_near(s, e))
             _flip_around(work, m)
@@ -140,7 +147,9 @@ def _collapsed_least(work, e, longest):
         a, b = s.vertex[next_edge(c)], s.vertex[prev_edge(c)]
         if a != w:
             length = distance_squared(s.xyz, a, w)
-            if length > longest * longest * wanted_squared(s, a, w) and length > distance_squared(s.xyz, a, u):
+            if length > longest * longest * wanted_squared(s, a, w) and length > distance_squared(
+                s.xyz, a, u
+            ):
                 return -1.0
             if b != w:
                 if not smooth:
@@ -159,16 +168,21 @@ def _stays_near(work, e):
     """Whether the triangles around u, merged into w, are near the given surface, and u near them."""
     s, held, x = work.sheets, work.held, work.x
     u, w = s.vertex[next_edge(e)], s.vertex[prev_edge(e)]
-    within = s.allowed[u] * s.allowed[u]
+    p, q = s.vertex[e], s.vertex[s.twin[e]] if s.twin[e] >= 0 else -1
+    allowed = min(s.allowed[u], s.allowed[w])
+    within = work.slack * allowed * allowed
     reached = False
     start = first_corner(s, u)
     c, guess = start, s.near[u]
     while True:
         a, b = s.vertex[next_edge(c)], s.vertex[prev_edge(c)]
+        curve = s.curve[prev_edge(c)]
+        if a != w and a != p and a != q and middle_distance(work, w, a, curve, within) > within:
+            return False
         if a != w and b != w:
             for k in range(3):
                 x[0, k] = (s.xyz[w, k] + s.xyz[a, k] + s.xyz[b, k]) / 3.0
-            guess, square = off_surface(work, guess)
+            guess, square = nearest_to(work, guess, within)
             if square > within:
                 return False
             work.ref[0] = work.ref[1] = work.ref[2] = 0.0
@@ -215,10 +229,10 @@ def collapse_checked(work, e, floor, longest):
 
 
 @kernel
-def collapse_pass(work):
+def collapse_pass(work, start, stop):
     """Collapse edges of less than 4/5 of the wanted length."""
     s, done = work.sheets, 0
-    for e in range(3 * s.state[SURFACE_SLOTS]):
+    for e in range(start, stop):
         if s.vertex[e - e % 3] == UNUSED or s.twin[e] > e:
             continue
         u, w = s.vertex[next_edge(e)], s.vertex[prev_edge(e)]

@@ -2,44 +2,33 @@
 
 from __future__ import annotations
 
-from ...base.jit import kernel, lean
+from ...base.jit import inline, kernel, lean
 from ...connect.insertion.halfedges import UNUSED, next_edge, prev_edge
-from ...connect.surface.halfedges import SURFACE_SLOTS
-from ...geometry.support_walk import nearest_on_chain
-from .shapes import add_normal, distance_squared, off_surface, sharpness
+from .shapes import add_normal, distance_squared, middle_distance, nearest_to, sharpness
 
 __all__ = ["FAR", "FLAT", "INVERTED", "faults_pass", "grade_pass", "lower_pass"]
 
 FLAT, INVERTED, FAR = 1, 2, 4  # what may be wrong with a triangle
 FLATTEST = 1e-16  # sharpness of a triangle that counts as flat: 6e-7 degrees
-AIM = 0.7  # sizes are lowered so that the distance is this part of what is allowed
+AIM = 0.6  # sizes are lowered so that the distance is this part of what is allowed
 
 
-@lean
-def _middle_distance(work, e):
+@inline
+def _of_middle(work, e, trust):
     """The square of the distance of the middle of an edge from the given surface, or from its curve."""
-    s, p, held = work.sheets, work.x[0], work.held
+    s = work.sheets
     u, w = s.vertex[next_edge(e)], s.vertex[prev_edge(e)]
-    for k in range(3):
-        p[k] = 0.5 * (s.xyz[u, k] + s.xyz[w, k])
-    if s.curve[e] < 0:
-        return off_surface(work, s.near[u])[1]
-    f = nearest_on_chain(held, work.x, 0, s.curve[e], work.place, work.stack)
-    square = 0.0
-    for k in range(3):
-        away = p[k] - work.place[0] * held.edges[f, 0, k] - work.place[1] * held.edges[f, 1, k]
-        square += away * away
-    return square
+    return middle_distance(work, u, w, s.curve[e], trust * s.allowed[u] * s.allowed[u])
 
 
 @lean
-def _center_distance(work, t):
+def _center_distance(work, t, trust):
     """The triangle of the given surface near the center of a triangle, and the square of the distance."""
     s, p = work.sheets, work.x[0]
     a, b, c = s.vertex[3 * t], s.vertex[3 * t + 1], s.vertex[3 * t + 2]
     for k in range(3):
         p[k] = (s.xyz[a, k] + s.xyz[b, k] + s.xyz[c, k]) / 3.0
-    return off_surface(work, s.near[a])
+    return nearest_to(work, s.near[a], trust * s.allowed[a] * s.allowed[a])
 
 
 @lean
@@ -51,10 +40,10 @@ def _lower(s, v, length, square, bound):
 
 
 @kernel
-def lower_pass(work, bound):
-    """Write to ``bound`` (n,), which is infinite before, the sizes for which the surface would be near enough."""
+def lower_pass(work, start, stop, bound):
+    """Write to ``bound`` (n,), infinite before, the sizes for which the surface would be near enough."""
     s = work.sheets
-    for t in range(s.state[SURFACE_SLOTS]):
+    for t in range(start, stop):
         if s.vertex[3 * t] == UNUSED:
             continue
         total = 0.0
@@ -63,46 +52,62 @@ def lower_pass(work, bound):
             length = distance_squared(s.xyz, s.vertex[next_edge(e)], s.vertex[prev_edge(e)]) ** 0.5
             total += length
             if s.twin[e] < e:
-                square = _middle_distance(work, e)
+                square = _of_middle(work, e, AIM * AIM)
                 for v in (s.vertex[next_edge(e)], s.vertex[prev_edge(e)], s.vertex[e]):
                     _lower(s, v, length, square, bound)
                 if s.twin[e] >= 0:
                     _lower(s, s.vertex[s.twin[e]], length, square, bound)
-        _, square = _center_distance(work, t)
+        _, square = _center_distance(work, t, AIM * AIM)
         for k in range(3):
             _lower(s, s.vertex[3 * t + k], total / 3.0, square, bound)
+    return 0
 
 
 @kernel
-def grade_pass(work, growth):
-    """Let bounds of sizes grow by no more than this along edges; whether one was lowered."""
-    s, lowered = work.sheets, False
-    for e in range(3 * s.state[SURFACE_SLOTS]):
+def grade_pass(work, start, stop, growth):
+    """Let bounds of sizes grow by no more than this along edges; how many were lowered."""
+    s, lowered = work.sheets, 0
+    for e in range(start, stop):
         if s.vertex[e - e % 3] == UNUSED:
             continue
         u, w = s.vertex[next_edge(e)], s.vertex[prev_edge(e)]
         most = s.cap[u] + growth * distance_squared(s.xyz, u, w) ** 0.5
         if most < s.cap[w]:
-            s.cap[w], lowered = most, True
+            s.cap[w], lowered = most, lowered + 1
     return lowered
 
 
+@inline
+def _most_allowed(s, t):
+    """The square of the distance that is allowed for a triangle: where it is not the same, the largest one.
+
+    Collapses and moves keep to what is allowed at the vertex that they concern.
+    """
+    within = max(
+        s.allowed[s.vertex[3 * t]], max(s.allowed[s.vertex[3 * t + 1]], s.allowed[s.vertex[3 * t + 2]])
+    )
+    return within * within
+
+
 @kernel
-def faults_pass(work, fault):
-    """Write to ``fault`` (m,) what is wrong with each triangle; returns the squared largest distance."""
-    s, ref, worst = work.sheets, work.ref, 0.0
-    for t in range(s.state[SURFACE_SLOTS]):
-        fault[t] = 0
+def faults_pass(work, start, stop, fault):
+    """Write to ``fault`` (m,), which is 0 before, what is wrong with each triangle."""
+    s, ref = work.sheets, work.ref
+    for t in range(start, stop):
         if s.vertex[3 * t] == UNUSED:
             continue
         a, b, c = s.vertex[3 * t], s.vertex[3 * t + 1], s.vertex[3 * t + 2]
-        near, square = _center_distance(work, t)
-        for e in range(3 * t, 3 * t + 3):
-            square = max(square, _middle_distance(work, e))
-        worst = max(worst, square)
-        within = min(s.allowed[a], min(s.allowed[b], s.allowed[c]))
-        if square > within * within:
+        near, square = _center_distance(work, t, 1.0)
+        if square > _most_allowed(s, t):
             fault[t] |= FAR
+        for e in range(3 * t, 3 * t + 3):
+            f = s.twin[e]
+            if f < e:
+                away = _of_middle(work, e, 1.0)
+                if away > _most_allowed(s, t):
+                    fault[t] |= FAR
+                if f >= 0 and away > _most_allowed(s, f // 3):
+                    fault[f // 3] |= FAR
         ref[0] = ref[1] = ref[2] = 0.0
         add_normal(s.xyz, a, b, c, ref)
         facing = 0.0
@@ -113,4 +118,4 @@ def faults_pass(work, fault):
         ref[0] = ref[1] = ref[2] = 0.0
         if sharpness(s.xyz[a], s.xyz, b, c, ref) < FLATTEST:
             fault[t] |= FLAT
-    return worst
+    return 0

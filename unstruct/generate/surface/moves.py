@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from ...base.jit import kernel, lean
 from ...connect.insertion.halfedges import next_edge, prev_edge
-from ...connect.surface.halfedges import CORNER, ON_CURVE, SMOOTH, SURFACE_VERTICES, first_corner, turned
-from .shapes import MOVES, settle, star_least, star_normal
+from ...connect.surface.halfedges import CORNER, ON_CURVE, SMOOTH, first_corner, turned
+from .shapes import MOVES, settle, star_is_near, star_least, star_normal
 
-__all__ = ["move_pass", "search_at"]
+__all__ = ["move_pass", "put_pass", "search_at"]
 
 SHARP_ENOUGH = 0.25  # sharpness of 30 degrees: a move that leaves triangles so good is never refused
 SEARCH_STEP, LAST_STEP = 0.2, 0.01  # of a pattern search, in wanted lengths
@@ -15,7 +15,7 @@ SEARCH_STEP, LAST_STEP = 0.2, 0.01  # of a pattern search, in wanted lengths
 
 @lean
 def _curve_middle(s, v, p):
-    """Write the middle between the neighbors of a vertex along its curve, nearer to the one of smaller size."""
+    """Write the middle between the neighbors along a curve, nearer to the one of smaller size."""
     one = two = -1
     start = first_corner(s, v)
     c = start
@@ -51,7 +51,12 @@ def _star_middle(s, v, p, n):
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         h = s.size[v] + s.size[a] + s.size[b]
         area = (nx * nx + ny * ny + nz * nz) ** 0.5 / (h * h * h)
-        sx, sy, sz, weight = sx + area * (ux + vx), sy + area * (uy + vy), sz + area * (uz + vz), weight + area
+        sx, sy, sz, weight = (
+            sx + area * (ux + vx),
+            sy + area * (uy + vy),
+            sz + area * (uz + vz),
+            weight + area,
+        )
         c = turned(s.twin, c)
         if c == start or c < 0:
             break
@@ -74,10 +79,10 @@ def _put(work, v, t):
 
 
 @kernel
-def move_pass(work):
-    """Move each vertex to the middle of its star, or of its neighbors on a curve; halfway, if that is too far."""
+def move_pass(work, start, stop):
+    """Move each vertex to the middle of its star, or of its neighbors on a curve; else halfway."""
     s, p, ref = work.sheets, work.x[0], work.ref
-    for v in range(s.state[SURFACE_VERTICES]):
+    for v in range(start, stop):
         if s.at[v] < 0 or s.kind[v] == CORNER:
             continue
         star_normal(s, v, ref)
@@ -88,13 +93,30 @@ def move_pass(work):
         else:
             _star_middle(s, v, p, ref)
         for _ in range(2):
-            t = settle(work, s.kind[v], s.on[v], s.near[v])
+            t = settle(work, v, s.kind[v], s.near[v])
             new = star_least(s, v, p, ref, 0.0)
             if new >= 0.0 and (new >= SHARP_ENOUGH or new > old):
                 _put(work, v, t)
                 break
             for k in range(3):
                 p[k] = 0.5 * (p[k] + s.xyz[v, k])
+    return 0
+
+
+@kernel
+def put_pass(work, start, stop, places):
+    """Move vertices, but corners, to these places (n, 3) where no triangle turns over; how many stay."""
+    s, ref, stay = work.sheets, work.ref, 0
+    for v in range(start, stop):
+        if s.at[v] < 0 or s.kind[v] == CORNER:
+            continue
+        star_normal(s, v, ref)
+        if star_least(s, v, places[v], ref, 0.0) > 0.0:
+            for k in range(3):
+                s.xyz[v, k] = places[v, k]
+        else:
+            stay += 1
+    return stay
 
 
 @lean
@@ -105,6 +127,8 @@ def search_at(work, v):
         return False
     star_normal(s, v, ref)
     old = star_least(s, v, s.xyz[v], ref, -2.0)
+    before = s.xyz[v, 0], s.xyz[v, 1], s.xyz[v, 2]
+    near, was_near = s.near[v], star_is_near(work, v)
     step, moved, left = SEARCH_STEP * s.size[v], False, 24
     while step > LAST_STEP * s.size[v] and left > 0:
         left -= 1
@@ -113,7 +137,7 @@ def search_at(work, v):
             for k in range(3):
                 p[k] = s.xyz[v, k]
             p[i // 2] += step if i % 2 == 0 else -step
-            t = settle(work, s.kind[v], s.on[v], s.near[v])
+            t = settle(work, v, s.kind[v], s.near[v])
             if s.kind[v] == SMOOTH:
                 star_normal(s, v, ref)
             new = star_least(s, v, p, ref, old)
@@ -123,6 +147,8 @@ def search_at(work, v):
                 break
         if not found:
             step *= 0.5
+    if moved and was_near and not star_is_near(work, v):
+        s.xyz[v, 0], s.xyz[v, 1], s.xyz[v, 2] = before
+        s.near[v] = near
+        return False
     return moved
-
-

@@ -1,7 +1,7 @@
 """Kernels: the shapes of triangles of a surface, and of the star of a vertex if it were moved.
 
-The *sharpness* of a triangle is the square of the sine of its smallest angle: 3/4 for an equilateral triangle,
-1/4 for 30 degrees. It is negative for one that faces away from a direction of reference.
+The *sharpness* of a triangle is the square of the sine of its smallest angle: 3/4 for an equilateral
+triangle, 1/4 for 30 degrees. It is negative for one that faces away from a direction of reference.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, lean
 from ...connect.insertion.halfedges import next_edge, prev_edge
-from ...connect.surface.halfedges import ON_CURVE, SMOOTH, Sheets, first_corner, turned
-from ...geometry.support_walk import Held, nearest_on_chain, walked
+from ...connect.surface.halfedges import ON_CURVE, SEAM, SMOOTH, Sheets, first_corner, turned
+from ...geometry.support_walk import Held, nearest_from, nearest_on_chain, walked
 
 __all__ = [
     "COLLAPSES",
@@ -27,15 +27,20 @@ __all__ = [
     "add_normal",
     "degree_of",
     "distance_squared",
-    "off_surface",
+    "middle_distance",
+    "nearest_to",
     "settle",
     "sharpness",
+    "star_is_near",
     "star_least",
     "star_normal",
     "wanted_squared",
 ]
 
-LEAST_COSINE_SQUARED = 0.04  # of the angle between a new triangle and the direction that it should have: 78 degrees
+LEAST_COSINE_SQUARED = (
+    0.04  # of the angle between a new triangle and the direction that it should have: 78 degrees
+)
+TINY = 1e-24  # a squared distance between points that are equal but for rounding
 SPLITS, COLLAPSES, FLIPPED, MOVES, TOO_FAR, TURNED = 0, 1, 2, 3, 4, 5  # places in the counts
 
 
@@ -61,6 +66,8 @@ class RemeshWork(NamedTuple):
     counts : (6,) int64
         How many splits, collapses, flips and moves there were, and how many changes were refused because they
         would have been too far from the surface, or turned a triangle over.
+    slack : float
+        Collapses may leave the surface as far as the square root of this, in allowed distances.
     """
 
     sheets: Sheets
@@ -71,6 +78,7 @@ class RemeshWork(NamedTuple):
     place: NDArray[np.float64]
     stack: NDArray[np.int64]
     counts: NDArray[np.int64]
+    slack: float
 
 
 # ---------------------------------------------------------------------- triangles
@@ -175,33 +183,90 @@ def degree_of(s, v):
 
 
 @lean
-def off_surface(work, guess):
-    """The triangle of the given surface near the candidate, and the square of the distance from it."""
-    p, place = work.x[0], work.place
-    t = walked(work.held, p, work.zero, guess, place)
-    square = 0.0
-    for k in range(3):
-        away = p[k]
-        for j in range(3):
-            away -= place[j] * work.held.corners[t, j, k]
-        square += away * away
+def nearest_to(work, guess, within):
+    """The triangle of the given surface nearest to the candidate, and the square of the distance.
+
+    A walk from the guess is good enough if it ends at no more than this distance squared.
+    """
+    p, held, place = work.x[0], work.held, work.place
+    t = walked(held, p, work.zero, guess, place)
+    square = _away(work, t)
+    if square > within:
+        t = nearest_from(held, work.x, 0, work.zero, t, place, work.stack)
+        square = _away(work, t)
     return t, square
 
 
+@inline
+def _away(work, t):
+    """The square of the distance of the candidate from the place in triangle t."""
+    square = 0.0
+    for k in range(3):
+        away = work.x[0, k]
+        for j in range(3):
+            away -= work.place[j] * work.held.corners[t, j, k]
+        square += away * away
+    return square
+
+
 @lean
-def settle(work, kind, on, guess):
-    """Move the candidate to the nearest point of the given surface, or of the feature curve; the triangle there."""
-    p, held, place = work.x[0], work.held, work.place
+def settle(work, v, kind, guess):
+    """Move the candidate to the nearest point of the given surface, or of its curve; the triangle there.
+
+    ``v`` is the vertex for which it is.
+    """
+    p, held, place, s = work.x[0], work.held, work.place, work.sheets
     if kind == ON_CURVE:
-        e = nearest_on_chain(held, work.x, 0, on, place, work.stack)
+        e = nearest_on_chain(held, work.x, 0, s.on[v], place, work.stack)
         one, two = place[0], place[1]
         for k in range(3):
             p[k] = one * held.edges[e, 0, k] + two * held.edges[e, 1, k]
-        return walked(held, p, work.zero, guess, place)
-    t = walked(held, p, work.zero, guess, place)
+        return nearest_to(work, guess, TINY)[0]
+    t = nearest_to(work, guess, s.allowed[v] * s.allowed[v])[0]
     for k in range(3):
         total = 0.0
         for j in range(3):
             total += place[j] * held.corners[t, j, k]
         p[k] = total
     return t
+
+
+@lean
+def middle_distance(work, u, w, curve, within):
+    """The square of the distance of the middle between two vertices from the surface, or from a curve.
+
+    From the surface, a walk is good enough if it ends at no more than this distance squared.
+    """
+    s, p, held, place = work.sheets, work.x[0], work.held, work.place
+    if curve >= SEAM:  # it is a part of a given edge
+        return 0.0
+    for k in range(3):
+        p[k] = 0.5 * (s.xyz[u, k] + s.xyz[w, k])
+    if curve < 0:
+        return nearest_to(work, s.near[u], within)[1]
+    f = nearest_on_chain(held, work.x, 0, curve, place, work.stack)
+    square = 0.0
+    for k in range(3):
+        away = p[k] - place[0] * held.edges[f, 0, k] - place[1] * held.edges[f, 1, k]
+        square += away * away
+    return square
+
+
+@lean
+def star_is_near(work, v):
+    """Whether the centers and edges of the triangles around a vertex are as near the surface as allowed."""
+    s, p = work.sheets, work.x[0]
+    within = s.allowed[v] * s.allowed[v]
+    start = first_corner(s, v)
+    c = start
+    while True:
+        a, b = s.vertex[next_edge(c)], s.vertex[prev_edge(c)]
+        if middle_distance(work, v, a, s.curve[prev_edge(c)], within) > within:
+            return False
+        for k in range(3):
+            p[k] = (s.xyz[v, k] + s.xyz[a, k] + s.xyz[b, k]) / 3.0
+        if nearest_to(work, s.near[v], within)[1] > within:
+            return False
+        c = turned(s.twin, c)
+        if c < 0 or c == start:
+            return True
