@@ -68,7 +68,7 @@ def _body_points() -> None:
     unstruct.voronoi_segment(body, 0.6)
 
 
-def _surfaces() -> None:
+def _delaunay_surfaces() -> None:
     surface = unstruct.Mesh(_ball().points, _ball().facets)
     unstruct.check(unstruct.surface_delaunay(surface), domain=surface)
     unstruct.surface_delaunay(surface, 0.5)
@@ -183,7 +183,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "circumcenters": _circumcenters,
     "smoothing": _smooth,
     "trees": _trees,
-    "surfaces": _surfaces,
+    "Delaunay surfaces": _delaunay_surfaces,
     "sizes": _sizes,
     "surfaces": _surfaces,
     "higher dimensions": _many_dimensions,
