@@ -68,6 +68,13 @@ def _body_points() -> None:
     unstruct.voronoi_segment(body, 0.6)
 
 
+def _delaunay_surfaces() -> None:
+    surface = unstruct.Mesh(_ball().points, _ball().facets)
+    unstruct.check(unstruct.surface_delaunay(surface), domain=surface)
+    unstruct.surface_delaunay(surface, 0.5)
+    unstruct.curvature(surface)
+
+
 def _many_dimensions() -> None:
     unstruct.delaunay(_points(4))
 
@@ -158,6 +165,11 @@ def _ball() -> unstruct.Domain:
     return unstruct.Domain.ball(size=0.9)
 
 
+def _surfaces() -> None:
+    unstruct.remesh(unstruct.Domain.cylinder(), 0.4)
+    unstruct.remesh(unstruct.Domain.ball(), lambda x: 0.5 + 0.1 * x[:, 0])
+
+
 def _sizes() -> None:
     size = unstruct.sizing.from_features(_ring(), 0.5, far=0.6)
     unstruct.refine(_ring(), size)
@@ -182,7 +194,9 @@ TASKS: dict[str, Callable[[], None]] = {
     "circumcenters": _circumcenters,
     "smoothing": _smooth,
     "trees": _trees,
+    "Delaunay surfaces": _delaunay_surfaces,
     "sizes": _sizes,
+    "surfaces": _surfaces,
     "higher dimensions": _many_dimensions,
 }
 

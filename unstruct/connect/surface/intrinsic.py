@@ -101,7 +101,8 @@ class IntrinsicTriangulation:
         under = np.where(self.gluing.twin < 0, np.arange(many, dtype=np.int32), np.int32(-1))
         if kept is not None:
             under = _kept(rows, kept, under)
-        base = Sides(self.gluing.vertex, self.gluing.twin, length, empty, under, content)
+        label = np.arange(len(rows), dtype=np.int32)
+        base = Sides(self.gluing.vertex, self.gluing.twin, length, empty, under, content, label)
         around = np.zeros(len(self.gluing.first))
         signposts(base, self.gluing.first, around)
         vertices = len(self.gluing.origin)
@@ -110,7 +111,7 @@ class IntrinsicTriangulation:
             self.gluing.origin.copy(), np.full(vertices, -1, np.int32), np.zeros((vertices, 3)),
             np.full(vertices, -1, np.int32), np.zeros(vertices),
         )  # fmt: skip
-        line = Line(np.empty(CROSSINGS, np.int32), np.empty(CROSSINGS), np.zeros(5))
+        line = Line(np.empty(CROSSINGS, np.int32), np.empty(CROSSINGS), np.zeros(6))
         count = np.array([len(rows), vertices])
         self.shape = Shape(sides, places, Ground(base, self.gluing.first, around), line, count)
         self._events: list[NDArray[np.int64]] = []
@@ -123,7 +124,7 @@ class IntrinsicTriangulation:
         m, sides = int(self.shape.numbers[0]), self.shape.sides
         return Sides(
             sides.vertex[: 3 * m], sides.twin[: 3 * m], sides.length[: 3 * m], sides.turn[: 3 * m],
-            sides.under[: 3 * m], sides.content[:m],
+            sides.under[: 3 * m], sides.content[:m], sides.label[:m],
         )  # fmt: skip
 
     @property
@@ -183,7 +184,7 @@ class IntrinsicTriangulation:
         """Those of `edges` that may be flipped, and whose angles add up to more than pi beyond rounding."""
         sides, h = self.sides, self.edges
         free = (sides.twin[h] >= 0) & (sides.under[h] < 0)
-        return h[free & (self.cotangents() < -ROUNDED)]
+        return h[free & (self.cotangents() < -ROUNDED_SUM)]
 
     # ------------------------------------------------------------------ changes
 
@@ -266,9 +267,9 @@ class IntrinsicTriangulation:
             )
         return self._inserted(split_side, half_edge, float(part))
 
-    def _inserted(self, kernel: Any, *arguments: Any) -> int:
+    def _inserted(self, operation: Any, *arguments: Any) -> int:
         self.reserve(2, 1)
-        while (found := kernel(self.shape, *arguments)) < 0:
+        while (found := operation(self.shape, *arguments)) < 0:
             self.more_crossings()
         self.counts["inserted"] += 1
         self._events = []  # a replay cannot insert
@@ -277,7 +278,7 @@ class IntrinsicTriangulation:
     def more_crossings(self) -> None:
         """Twice as much room for the sides that a line crosses."""
         room = 2 * len(self.shape.line.side)
-        line = Line(np.empty(room, np.int32), np.empty(room), np.zeros(5))
+        line = Line(np.empty(room, np.int32), np.empty(room), np.zeros(6))
         self.shape = self.shape._replace(line=line)
 
     def reserve(self, triangles: int, vertices: int) -> None:
@@ -286,8 +287,9 @@ class IntrinsicTriangulation:
         need = int(shape.numbers[0]) + triangles
         if len(shape.sides.content) < need:
             need += need // 2
-            content = _grown(shape.sides.content, need)
-            shape = shape._replace(sides=grown_rows(shape.sides, 3 * need)._replace(content=content))
+            content, label = _grown(shape.sides.content, need), _grown(shape.sides.label, need)
+            sides = grown_rows(shape.sides, 3 * need)._replace(content=content, label=label)
+            shape = shape._replace(sides=sides)
         need = int(shape.numbers[1]) + vertices
         if len(shape.places.origin) < need:
             need += need // 2
@@ -320,7 +322,7 @@ class IntrinsicTriangulation:
 
 
 R = TypeVar("R", Sides, Places)
-ROUNDED = 1e-9  # a sum of cotangents that is as much below zero is no rounding
+ROUNDED_SUM = 1e-9  # a sum of cotangents that is as much below zero is no rounding
 
 
 def _cotangents(sides: Sides, h: NDArray[np.int32]) -> NDArray[np.float64]:

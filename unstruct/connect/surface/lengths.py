@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 LEGAL_ERROR = 2.0**-50  # of the cotangents' sum, in units of the squares over the areas: it bounds rounding
-FLATTEST = 2.0**-100  # the least four areas of a triangle, in units of its longest edge squared
+FLATTEST_CONTENT = 2.0**-100  # the least four areas of a triangle, in units of its longest edge squared
 
 
 class Sides(NamedTuple):
@@ -48,6 +48,8 @@ class Sides(NamedTuple):
         Otherwise -1.
     content : (m,) float64
         Four times the area of each triangle.
+    label : (m,) int32
+        A given triangle in the same part of the surface, of those into which kept edges divide it.
     """
 
     vertex: NDArray[np.int32]
@@ -56,11 +58,12 @@ class Sides(NamedTuple):
     turn: NDArray[np.float64]
     under: NDArray[np.int32]
     content: NDArray[np.float64]
+    label: NDArray[np.int32]
 
 
 @inline
 def four_areas(a, b, c):
-    """Four times the area of a triangle with these sides, never less than `FLATTEST` allows.
+    """Four times the area of a triangle with these sides, never less than `FLATTEST_CONTENT` allows.
 
     Heron's formula in the order by W. Kahan (*Miscalculating area and angles of a needle-like triangle*):
     nothing is lost for needles but what their lengths have lost already.
@@ -72,7 +75,7 @@ def four_areas(a, b, c):
     if a < b:
         a, b = b, a
     product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
-    return max(np.sqrt(max(product, 0.0)), FLATTEST * a * a)
+    return max(np.sqrt(max(product, 0.0)), FLATTEST_CONTENT * a * a)
 
 
 @inline

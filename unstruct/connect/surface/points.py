@@ -90,6 +90,12 @@ def _spoke(sides, out, back, v, p, length):
 
 
 @inline
+def _child(sides, t, m):
+    """Triangle m becomes a part of triangle t."""
+    sides.label[m] = sides.label[t]
+
+
+@inline
 def _contents(sides, t):
     sides.content[t] = four_areas(sides.length[3 * t], sides.length[3 * t + 1], sides.length[3 * t + 2])
 
@@ -140,12 +146,14 @@ def split_triangle(shape, t, one, two):
         left = corner_angle(sides.length[h2], to_c, to_a, four_areas(sides.length[h2], to_c, to_a))
     v = sides.vertex[3 * t + k]
     start, angle = line_start(places, v), sides.turn[3 * t + k] + left
-    face, crossed = follow(shape.ground, start, places.weights[v], angle, near, shape.line)
+    face, crossed = follow(shape.ground, start, places.weights[v], angle, near, shape.line, False)
     if crossed < 0:
         return -1
     m, p = count[0], count[1]
     count[0] += 2
     n0, n1 = 3 * m, 3 * m + 3
+    _child(sides, t, m)
+    _child(sides, t, m + 1)
     beyond_1, beyond_2 = sides.twin[h1], sides.twin[h2]
     turn_1, turn_2 = sides.turn[h1], sides.turn[h2]
     _copy(sides, h1, n0)
@@ -225,13 +233,16 @@ def split_side(shape, h, part):
     else:
         start = line_start(places, a)
         face, crossed = follow(
-            shape.ground, start, places.weights[a], sides.turn[h], part * whole, shape.line
+            shape.ground, start, places.weights[a], sides.turn[h], part * whole, shape.line, False
         )
         if crossed < 0:
             return -1
     m, p = count[0], count[1]
     count[0] += 2 if g >= 0 else 1
     h1, n = next_side(h), 3 * m
+    _child(sides, h // 3, m)
+    if g >= 0:
+        _child(sides, g // 3, m + 1)
     g1, n2 = (next_side(g), n + 3) if g >= 0 else (-2, -2)
     beyond_h, beyond_g = sides.twin[h1], sides.twin[g1] if g >= 0 else -1
     square = _foot(sides, h, part)

@@ -44,8 +44,8 @@ class Ground(NamedTuple):
 class Line(NamedTuple):
     """What `follow` writes: crossed half-edges and where on them, from 0 to 1; and the end.
 
-    ``end`` holds the weights of the last point in its face (three numbers), the angle of the line in the
-    frame of this face, and the length that was left when it ended at a boundary.
+    ``end`` holds six numbers: the weights of the last point in its face, the angle of the line in the frame
+    of this face, the length that was left when it ended at a wall, and the half-edge ahead.
     """
 
     side: NDArray[np.int32]
@@ -117,7 +117,7 @@ def _side_ahead(x, y, dx, dy, entry, frame):
 
 
 @lean
-def follow(ground, start, weights, angle, length, line):
+def follow(ground, start, weights, angle, length, line, walls):
     """Follow a line from a vertex or a point of a face; (face at the end, sides crossed or -1).
 
     Parameters
@@ -128,6 +128,8 @@ def follow(ground, start, weights, angle, length, line):
         In that face; not used for a vertex.
     angle : float
         At a vertex its direction by signposts, in a face that in its frame.
+    walls : bool
+        Whether the line ends at edges that are kept, too.
     """
     sides = ground.sides
     count = 0
@@ -153,10 +155,10 @@ def follow(ground, start, weights, angle, length, line):
         step, place = _exit(x, y, dx, dy, ahead, frame)
         h = 3 * f + ahead
         g = sides.twin[h]
-        if left <= step or g < 0:
+        if left <= step or g < 0 or (walls and sides.under[h] >= 0):
             go = min(left, step)
             _finish(x + go * dx, y + go * dy, dx, dy, frame, line)
-            line.end[4] = left - go
+            line.end[4], line.end[5] = left - go, h
             return f, count
         if count == line.side.shape[0]:
             return f, -1
@@ -188,4 +190,4 @@ def _finish(x, y, dx, dy, frame, line):
     b = min(max((x - c * x2) / x1, 0.0), 1.0 - c)
     line.end[0], line.end[1], line.end[2] = 1.0 - b - c, b, c
     line.end[3] = angle_of(dy, dx)
-    line.end[4] = 0.0
+    line.end[4] = line.end[5] = 0.0
