@@ -14,9 +14,9 @@ from ..base.errors import InputError
 from ..base.jit import kernel
 from ..predicates.batch import power_of_two
 from .boxes import BoxTree, bounding_boxes
+from .farthest_samples import Sampled, Sought, farthest_samples
 from .support_features import features_of, same_points, unit_normals
 from .support_walk import Held, chain_rows, nearest_rows
-from .triangle_tree import TriangleTree
 
 __all__ = ["Support"]
 
@@ -182,8 +182,8 @@ class Support:
         within step / √3 of a sample, and the distance from a set changes no faster than the point moves: the
         true values are larger by step / √3 at most, if the step could be kept.
         """
-        there, back = self.distances(points, triangles, step)
-        return float(there.max()), float(back.max())
+        there, _, back, _ = self._measured(points, triangles, step, False)
+        return there, back
 
     def samples(
         self, points: ArrayLike, triangles: ArrayLike, step: float | None = None
@@ -192,11 +192,18 @@ class Support:
 
         All in scaled coordinates. Samples come with the places where those of each triangle begin.
         """
+        mesh, parts = self._cut(points, triangles, step)
+        return mesh, _samples(mesh, parts[0]), _samples(self.held.corners, parts[1])
+
+    def _cut(
+        self, points: ArrayLike, triangles: ArrayLike, step: float | None
+    ) -> tuple[Array, list[NDArray[np.int64]]]:
+        """The corners of the mesh, in scaled coordinates; into how many parts sides of both are cut."""
         x = _in_space(points, "points")
         rows = _rows(triangles, 3, "triangles", len(x))
         if len(rows) == 0:
             raise InputError("the mesh needs at least one triangle")
-        mesh, own = x[rows] * self.factor, self.held.corners
+        mesh, own = np.ascontiguousarray(x[rows] * self.factor), self.held.corners
         longest = [_longest(mesh), _longest(own)]
         if step is None:
             wanted = float(_sum_of_sides(mesh) / (3 * len(mesh))) / 2
@@ -204,22 +211,29 @@ class Support:
             wanted = finite(step, "step") * self.factor
         if not wanted > 0.0:
             wanted = max(float(longest[0].max()), float(longest[1].max()), 1e-300)
-        parts = _parts(longest, wanted)
-        return mesh, _samples(mesh, parts[0]), _samples(own, parts[1])
+        return mesh, _parts(longest, wanted)
 
     def distances(
         self, points: ArrayLike, triangles: ArrayLike, step: float | None = None
     ) -> tuple[Array, Array]:
         """The same for each triangle of the mesh, (t,), and for each of the surface, (m,)."""
-        mesh, (samples, ends), others = self.samples(points, triangles, step)
-        own = self.held.corners
-        which = np.full(len(samples), -1, dtype=np.int64)
-        places = np.zeros((len(samples), 3))
-        nearest_rows(self.held, samples, np.zeros(samples.shape), which, places)
-        there = _farthest(samples, own[which], places, ends)
-        samples, ends = others
-        which, places = TriangleTree(mesh).nearest(samples)
-        return there / self.factor, _farthest(samples, mesh[which], places, ends) / self.factor
+        _, there, _, back = self._measured(points, triangles, step, True)
+        return there, back
+
+    def _measured(
+        self, points: ArrayLike, triangles: ArrayLike, step: float | None, each: bool
+    ) -> tuple[float, Array, float, Array]:
+        """The largest distance of the mesh, those of its triangles; the same of the surface."""
+        mesh, parts = self._cut(points, triangles, step)
+        held, tree = self.held, BoxTree(*bounding_boxes(mesh))
+        found: list = []
+        sides = (mesh, tree.low, tree.high, tree.order), (held.corners, held.low, held.high, held.order)
+        for (corners, _, _, order), number, (others, low, high, rank) in zip(sides, parts, sides[::-1]):
+            far = np.empty(len(corners))
+            sought = Sought(others[rank], low, high)
+            most = farthest_samples(Sampled(corners, number, order), sought, each, far)
+            found += [float(np.sqrt(most)) / self.factor, np.sqrt(far) / self.factor]
+        return found[0], found[1], found[2], found[3]
 
     def _at(self, rows: np.ndarray, weights: Array) -> Array:
         """Points of given weights; those of weight 1 are vertices exactly."""
@@ -330,11 +344,3 @@ def _samples(corners: Array, parts: NDArray[np.int64]) -> tuple[Array, NDArray[n
     samples = np.empty((int(ends[-1]), 3))
     _spread(np.ascontiguousarray(corners), parts, samples)
     return samples, np.append(0, ends[:-1])
-
-
-def _farthest(samples: Array, corners: Array, weights: Array, starts: NDArray[np.int64]) -> Array:
-    """The largest distance between samples and points of triangles with these weights, for each group."""
-    away = samples - (
-        corners[:, 0] * weights[:, :1] + corners[:, 1] * weights[:, 1:2] + corners[:, 2] * weights[:, 2:]
-    )
-    return np.maximum.reduceat(np.sqrt(away[:, 0] ** 2 + away[:, 1] ** 2 + away[:, 2] ** 2), starts)
