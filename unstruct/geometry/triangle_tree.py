@@ -13,7 +13,7 @@ from .boxes import BOXES_IN_LEAF, BoxTree, bounding_boxes, square_to_box
 __all__ = ["TriangleTree", "onto", "square_to_triangle"]
 
 Array = NDArray[np.float64]
-THIN = 1e-4  # the squared sine of an angle of half a degree
+THIN_SQUARED = 1e-4  # the squared sine of an angle of half a degree
 DEEPEST_SEARCH = 128  # nodes that wait; a tree of boxes is never half as deep
 
 
@@ -49,7 +49,7 @@ def onto(p, corner, place):
             place[1], place[2] = one / square, two / square
             place[0] = 1.0 - place[1] - place[2]
             height = wx * nx + wy * ny + wz * nz
-            thin = THIN * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
+            thin = THIN_SQUARED * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
             if square > thin:
                 return height * height / square
             inner = 0.0  # the weights in a thin triangle are rounded badly: a place on a side may be better

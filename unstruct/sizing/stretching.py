@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..base.arrays import as_points
 from ..base.elementary import exponentials
 from ..base.errors import InputError
-from .field import first_to_raise
+from .layer_functions import asked_at, asked_for_shares
 
 __all__ = ["DEFAULT_GROWTH", "Layers"]
 
@@ -159,7 +159,7 @@ class Layers:
             places = as_points(at, "at")
             for name, value in given.items():
                 if callable(value):
-                    given[name] = _values(_asked(value, name, places), f"{name}(places)")
+                    given[name] = _values(asked_at(value, name, places), f"{name}(places)")
                 if name != "count" and np.size(given[name]) not in (1, len(places)):
                     raise InputError(
                         f"{name} has {np.size(given[name])} values, but there are {len(places)} places; give "
@@ -177,20 +177,6 @@ class Layers:
         values = [(name, getattr(self, name)) for name in LAYER_VALUES]
         return [(n, "function" if callable(v) else float(f"{v:.6g}") if np.ndim(v) == 0 and v else v)
                 for n, v in values]  # fmt: skip
-
-
-def _asked(function: Callable[[Array], Any], name: str, places: Array) -> Any:
-    """What a function of places returns; an error that it raises is told with the first place concerned."""
-    try:
-        return function(places)
-    except InputError:  # its message tells what is wrong
-        raise
-    except Exception as error:
-        row = first_to_raise(function, places)
-        raise InputError(
-            f"the function for {name} raised {type(error).__name__} ({error}) at place {row} = "
-            f"{places[row].tolist()}; it takes places (k, d) and returns k positive numbers"
-        ) from error
 
 
 def _values(value: Any, name: str) -> Array:
@@ -295,18 +281,7 @@ def _possible(growth: Array, n: int | None, function: Any) -> None:
 def _units(n: int, growth: Array, function: Any) -> Array:
     """Total heights after 0 to n layers in units of the first height: (rows, n + 1)."""
     if callable(function):
-        try:
-            shares = np.asarray(function(np.arange(n + 1) / n), dtype=np.float64)
-        except Exception as error:
-            raise InputError(
-                f"the function of shares raised {type(error).__name__} ({error}) for the shares 0, 1 / {n}, "
-                f"..., 1; it takes these {n + 1} numbers as an array and returns as many"
-            ) from error
-        if shares.shape != (n + 1,) or not np.isfinite(shares).all() or not (np.diff(shares) > 0).all():
-            raise InputError(
-                f"the function of shares must return {n + 1} finite, increasing values for the shares 0, "
-                f"1 / {n}, ..., 1; lambda s: s**2 does"
-            )
+        shares = asked_for_shares(function, n)
         return np.broadcast_to((shares - shares[0]) / (shares[1] - shares[0]), (len(growth), n + 1))
     if function == "tanh":
         return _tanh_units(n, _steepness(n, growth)) if n > 1 else np.tile([0.0, 1.0], (len(growth), 1))
