@@ -1,8 +1,8 @@
 """How far triangles are, at samples, from other triangles: the largest distance, without the nearest places.
 
-Only the largest distance of each triangle, or of all of them, is wanted. So a sample for which some triangle
-of the other surface is found that is no farther than the largest distance so far needs no further search. Most
-need none at all: the triangle that was nearest to the sample before is near enough.
+Only the largest distance of each triangle, or of all of them, is wanted. So the search for a sample may end
+as soon as it finds a triangle of the other surface that is no farther than the largest distance so far. Often
+it need not begin: the triangle that was found for the sample before is near enough.
 """
 
 from __future__ import annotations

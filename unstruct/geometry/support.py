@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from ..base.arguments import finite
 from ..base.arrays import as_points, frozen
 from ..base.errors import InputError
-from ..base.jit import kernel
 from ..predicates.batch import power_of_two
 from .boxes import BoxTree, bounding_boxes
 from .farthest_samples import Sampled, Sought, farthest_samples
@@ -185,16 +184,6 @@ class Support:
         there, _, back, _ = self._measured(points, triangles, step, False)
         return there, back
 
-    def samples(
-        self, points: ArrayLike, triangles: ArrayLike, step: float | None = None
-    ) -> tuple[Array, tuple[Array, NDArray[np.int64]], tuple[Array, NDArray[np.int64]]]:
-        """Where `deviation` measures: the corners of the mesh (t, 3, 3), samples on it, and on the surface.
-
-        All in scaled coordinates. Samples come with the places where those of each triangle begin.
-        """
-        mesh, parts = self._cut(points, triangles, step)
-        return mesh, _samples(mesh, parts[0]), _samples(self.held.corners, parts[1])
-
     def _cut(
         self, points: ArrayLike, triangles: ArrayLike, step: float | None
     ) -> tuple[Array, list[NDArray[np.int64]]]:
@@ -318,29 +307,3 @@ def _parts(longest: list[Array], step: float) -> list[NDArray[np.int64]]:
         ):
             return cuts
         step *= 1.5
-
-
-@kernel
-def _spread(corners, parts, samples):
-    """Write the center and the points of a regular grid in each triangle."""
-    count = 0
-    for t in range(corners.shape[0]):
-        k = parts[t]
-        for m in range(3):
-            samples[count, m] = (corners[t, 0, m] + corners[t, 1, m] + corners[t, 2, m]) / 3.0
-        count += 1
-        for i in range(k + 1):
-            for j in range(k + 1 - i):
-                for m in range(3):
-                    samples[count, m] = (
-                        i * corners[t, 0, m] + j * corners[t, 1, m] + (k - i - j) * corners[t, 2, m]
-                    ) / k
-                count += 1
-
-
-def _samples(corners: Array, parts: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
-    """The samples of all triangles, one after the other, and where those of each begin."""
-    ends = np.cumsum((parts + 1) * (parts + 2) // 2 + 1)
-    samples = np.empty((int(ends[-1]), 3))
-    _spread(np.ascontiguousarray(corners), parts, samples)
-    return samples, np.append(0, ends[:-1])

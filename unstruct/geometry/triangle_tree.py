@@ -96,7 +96,7 @@ def square_to_triangle(x, y, z, c, t):
         one = nx * (wy * vz - wz * vy) + ny * (wz * vx - wx * vz) + nz * (wx * vy - wy * vx)
         two = nx * (uy * wz - uz * wy) + ny * (uz * wx - ux * wz) + nz * (ux * wy - uy * wx)
         if one >= 0.0 and two >= 0.0 and one + two <= square:
-            thin = THIN * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
+            thin = THIN_SQUARED * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
             if square > thin:
                 height = wx * nx + wy * ny + wz * nz
                 return height * height / square
