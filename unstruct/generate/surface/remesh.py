@@ -20,7 +20,7 @@ from ...mesh.mesh import Mesh
 from ...sizing.asked import MISSED_SIZE, MUCH_LONGER
 from ...sizing.field import SizeField, as_size
 from .cleaning import Cleaned, cleaned
-from .distances import curve_deviation, surface_deviation
+from .distances import curve_deviation
 from .measuring import FLAT_TRIANGLE, INVERTED, TOO_FAR_OFF
 from .run import ALLOWED, REMESH_ROUNDS, RemeshRun
 from .seams import divide_seams
@@ -211,7 +211,7 @@ def _account(
         "seams": seams,
     }
     figures = {
-        "deviation": surface_deviation(support, points, taken.triangles, s.near[taken.vertices]),
+        "deviation": max(support.deviation(points, taken.triangles)),
         "feature deviation": curve_deviation(support, taken),
         "least angle": float(mesh.quality("min_angle").min()),
         "least size": float(lowered.min()),
