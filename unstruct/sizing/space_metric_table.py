@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
+from ..geometry.stretched import cholesky
 from .space_table import CUBE_CORNERS, EIGHTH_CENTERS, IN_HALVES, IS_CORNER, octree_leaf
 
 __all__ = ["SpaceMetricNodes", "cholesky_rows", "factor_in_space", "space_metric_nodes"]
@@ -27,7 +28,6 @@ MOST_METRIC_LEVELS = 16
 MOST_METRIC_NODES = 200_000
 ALLOWED_LENGTH_ERROR = 0.05  # relative, in any direction
 FINE_METRIC_LEAF = 1.0  # a leaf no larger than this many of its shortest lengths is small enough
-LEAST_PIVOT = 1e-14  # of Cholesky's factor, squared and relative: rounding may leave nothing
 PROBED = np.concatenate([IN_HALVES / 2.0, EIGHTH_CENTERS])
 
 
@@ -37,18 +37,6 @@ class SpaceMetricNodes(NamedTuple):
     child: NDArray[np.int32]
     values: Array
     box: Array
-
-
-@inline
-def cholesky(b1, b2, b3, b4, b5, b6):
-    """The factor L of the matrix with rows (b1, ., .), (b2, b3, .), (b4, b5, b6), in the same order."""
-    a = np.sqrt(b1)
-    b = b2 / a
-    c = np.sqrt(max(b3 - b * b, LEAST_PIVOT * b3))
-    d = b4 / a
-    e = (b5 - b * d) / c
-    f = np.sqrt(max(b6 - d * d - e * e, LEAST_PIVOT * b6))
-    return a, b, c, d, e, f
 
 
 @inline

@@ -13,7 +13,12 @@ from ...base.progress import progress_bar
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing.space_metric import SpaceMetric
+from ..bodies.dividing import divided
+from ..bodies.laying import Filler
+from ..bodies.tetrahedralize import as_parts
 from ..volume.filling import filled
+from ..volume.improving import improved
+from ..volume.lattice import MOST_INNER
 from ..volume_points.run import recovered
 from . import ledger as book
 from .metric_space_steps import MetricMarch, advance_in_space_metric, start_in_space_metric
@@ -23,6 +28,7 @@ __all__ = ["metric_space_front"]
 
 METRIC_ORDERS, METRIC_PLACEMENTS = ("widest", "oldest"), ("equal sides", "sphere")
 EDGES_IN_METRIC = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
+FINISHINGS = 2  # the metric of a vertex that moves is that where it was
 LONG_IN_METRIC = 2.5  # cells with a longer edge, in the metric, are reported
 Array = NDArray[np.float64]
 
@@ -55,6 +61,7 @@ class MetricSpaceRun(SpaceFrontRun):
 def metric_space_front(
     domain: Domain,
     metric: SpaceMetric,
+    fill: Filler,
     *,
     order: str = "widest",
     placement: Any = "equal sides",
@@ -64,7 +71,7 @@ def metric_space_front(
     history: bool = False,
     progress: bool = False,
 ) -> DomainMesh:
-    """`advancing_front` for a body in space by a metric; see there."""
+    """`advancing_front` for a body in space by a metric; see there. ``fill`` meshes its polygons."""
     for name, value, choices in (
         ("order", order, METRIC_ORDERS), ("placement", placement, METRIC_PLACEMENTS),
     ):  # fmt: skip
@@ -73,20 +80,43 @@ def metric_space_front(
                 f"{name} = {value!r} must be one of {', '.join(map(repr, choices))} with a metric in space"
             )
     most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
-    cells, found = recovered(domain, progress)
+    cut = None
+    if split_boundary is not False:
+        cut = divided(domain, metric, bool(split_boundary), MOST_INNER if budget is None else most, fill)
+    body = domain if cut is None else cut.domain
+    cells, found = recovered(body, progress)
     if not found.complete:
-        return filled(domain, names=domain.name, progress=progress)
-    run = MetricSpaceRun(domain, cells, found, order, placement, history)
+        mesh = filled(body, names=domain.name if cut is None else cut.name, progress=progress)
+        return mesh if cut is None else as_parts(domain, cut, mesh)
+    run = MetricSpaceRun(body, cells, found, order, placement, history)
     with progress_bar(progress, " points", desc="front") as bar:
         run.march(metric.table(*domain.bounds, factor=cells.factor), most, bar)
-    mesh = run.result()
-    lengths, quality = measured(mesh, metric)
-    edges = lengths.max(axis=1, initial=0.0)
-    mesh.figures = mesh.figures | figures_of(mesh, metric, quality)
-    if not run.spent:
-        mesh.unrefined = np.flatnonzero(edges > LONG_IN_METRIC).astype(np.int32)
-        mesh.reasons = np.full(len(mesh.unrefined), "too large: no room for a point")
-        mesh.complete = len(mesh.unrefined) == 0
+    made = run.result() if cut is None else as_parts(domain, cut, run.result())
+    if run.spent:
+        made.figures = made.figures | figures_of(made, metric)
+        return made
+    mesh, figures = made, figures_of(made, metric)
+    if finish:
+        mesh = finished(made, metric, progress)
+        figures = {f"{name} before": x for name, x in figures.items()}
+        figures |= {f"{name} after": x for name, x in figures_of(mesh, metric).items()}
+    mesh.figures, mesh.steps = made.figures | figures, made.steps
+    long = measured(mesh, metric)[0].max(axis=1, initial=0.0) > LONG_IN_METRIC
+    mesh.unrefined = np.flatnonzero(long).astype(np.int32)
+    mesh.reasons = np.full(len(mesh.unrefined), "too large: no room for a point")
+    mesh.complete = len(mesh.unrefined) == 0
+    return mesh
+
+
+def finished(mesh: DomainMesh, metric: SpaceMetric, progress: bool) -> DomainMesh:
+    """The mesh after `improve`, its shapes judged in the metric; again where vertices have moved."""
+    for _ in range(FINISHINGS):
+        before = dict(mesh.counts)
+        mesh = improved(mesh, np.hstack([mesh.points, metric.inverses(mesh.points)]), 0, progress)
+        done = {name: mesh.counts[name] for name in ("refills", "moves")}
+        mesh.counts = mesh.counts | {name: before.get(name, 0) + count for name, count in done.items()}
+        if sum(done.values()) == 0:
+            break
     return mesh
 
 
@@ -101,8 +131,9 @@ def measured(mesh: DomainMesh, metric: SpaceMetric) -> tuple[Array, Array]:
     return lengths, 12.0 * (six / 2.0) ** (2.0 / 3.0) / np.square(lengths).sum(axis=1)
 
 
-def figures_of(mesh: DomainMesh, metric: SpaceMetric, quality: Array) -> dict[str, float]:
+def figures_of(mesh: DomainMesh, metric: SpaceMetric) -> dict[str, float]:
     """The number of cells, their metric qualities, and the metric lengths of edges, at their middles."""
+    _, quality = measured(mesh, metric)
     ends = mesh.simplices[:, EDGES_IN_METRIC].reshape(-1, 2)
     ends = np.unique(np.sort(ends, axis=1), axis=0)
     a, b = mesh.points[ends].swapaxes(0, 1)
