@@ -15,6 +15,7 @@ from ...base.errors import InputError
 from ...base.jit import kernel
 from ...geometry.outline import Outline
 from ...sizing.metric import Metric
+from ...sizing.space_metric import SpaceMetric
 from .by_region import PieceSizes, piece_sizes, size_or_metric
 from .prescribed import recut
 from .sample import Sampled, safe
@@ -168,7 +169,7 @@ def _table(outline: Pieces, size: Wanted) -> tuple[np.ndarray, np.ndarray, np.nd
     parts = np.ones(many, dtype=np.int64)
     parts[list(outline.curves)] = 16
     parts[np.fromiter(outline.spacings, dtype=np.int64)] = 0
-    if any(isinstance(one, Metric) for one in size.fields):
+    if any(isinstance(one, (Metric, SpaceMetric)) for one in size.fields):
         # Along a piece that a layer crosses, a metric is fine in a short part only.
         a, b = outline.points[outline.pieces].transpose(1, 0, 2)
         share = np.abs(b - a).max(axis=1) / np.ptp(outline.points, axis=0).max()

@@ -13,15 +13,17 @@ from ...domain.plane.by_region import size_by_region
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.directions import as_metric
 from ...sizing.metric import Metric
+from ...sizing.space_metric import SpaceMetric
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
 from ..rebay.run import VoronoiSegmentRun, rule_of
 from ..space_front.classical_space import classical_in_space
 from ..space_front.in_space import space_front
+from ..space_front.metric_space import metric_space_front
 from ..volume.lacking import what_is_missing
 from .classical import SEARCHES, classical_front, classical_mesh
-from .metric_front import MetricRun
+from .metric_front import MetricRun, filled_by_metric
 from .run import ORDERS, PLACEMENTS, FrontRun, Placement
 
 __all__ = ["advancing_front"]
@@ -236,6 +238,10 @@ def _in_space(
             raise InputError(f"placement = {placement!r} must be 'equal sides' for the classical method")
         chosen = {"order": order, "search": search}
     options |= {name: choice for name, choice in chosen.items() if choice is not None}
+    if isinstance(size, SpaceMetric):
+        if method == "classical":
+            raise InputError("a metric is for method = 'delaunay'; the classical method takes sizes")
+        return metric_space_front(domain, size, filled_by_metric, **options)
     return SPACE_METHODS[method](domain, size, **options)
 
 

@@ -18,7 +18,7 @@ from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ..rebay.queue import ACCEPTED, STATUS, empty_queue, grown_links
 from ..volume.filling import chains_of_segments, numbered_regions, with_names
-from ..volume_points.limits import REGULAR, BodyLimits, wanted_in_space
+from ..volume_points.limits import REGULAR, wanted_in_space
 from . import ledger as book
 from . import placing
 from . import steps as k
@@ -79,7 +79,7 @@ class SpaceFrontRun:
         self.edges, self.star = new_numbered(len(self.ends), 0), new_star(0, 0)
         self.ask, self.answer, self.out = np.array([-1, 0]), np.zeros(3), np.zeros(24)
         self.spent = False
-        self.limits: BodyLimits
+        self.limits: Any  # a BodyLimits
 
     def _reserve(self) -> None:
         """Make room for half as much again."""
@@ -104,30 +104,28 @@ class SpaceFrontRun:
             self.edges = new_numbered(len(self.ends), vertices)
             number_edges(self.edges, self.ends, 0, len(self.ends))
 
-    def marching(self) -> book.SpaceMarch:
+    def marching(self) -> Any:
         """The arrays as they are now, in one record for the kernels."""
         return book.SpaceMarch(
             self.cells.solid(), self.star, self.edges, self.limits, self.links, self.gates, self.turn,
             self.later, self.rule,
         )  # fmt: skip
 
-    def march(self, limits: BodyLimits, budget: int, bar: Any) -> None:
+    def march(self, limits: Any, budget: int, bar: Any) -> None:
         """Advance until the front is empty, or until there are so many new points."""
         cells, self.limits = self.cells, limits
         self.rule = self.rule._replace(scale=self._scale())
         self._reserve()
         inside = cells.inside_slots()
         at_surface = (cells.mark[: 4 * cells.slots].reshape(-1, 4)[inside] >= 0).any(axis=1)
-        k.start_in_space(self.marching(), inside[at_surface].astype(np.int32), self.out)
+        self._start(inside[at_surface].astype(np.int32))
         while True:
             before = int(self.counts[book.VERTICES_USED])
             limit = min(SPACE_STEPS_A_CALL, self.first + budget - before)
             if limit <= 0:
                 self.spent = True
                 break
-            status = k.advance_in_space(
-                self.marching(), self.diary, self.counts, self.ask, self.answer, self.out, limit
-            )
+            status = self._advance(limit)
             if status == k.CALLER:
                 self.answer[:] = self._asked(int(self.ask[0]))
             elif status == ROOM:
@@ -138,6 +136,18 @@ class SpaceFrontRun:
         cells.size = int(self.counts[book.VERTICES_USED])
         mark = cells.mark[: 4 * cells.slots]
         mark[mark == book.FRONT_MARK] = -1
+
+    def _start(self, cells: NDArray[np.int32]) -> None:
+        """Put the cells along the surface into the queue."""
+        k.start_in_space(self.marching(), cells, self.out)
+
+    def _advance(self, limit: int) -> int:
+        """Take up to so many steps; how it ended."""
+        return int(
+            k.advance_in_space(
+                self.marching(), self.diary, self.counts, self.ask, self.answer, self.out, limit
+            )
+        )
 
     def _scale(self) -> float:
         """What the measure of the order is divided by, or divides, so that it is at least about 1."""
