@@ -112,7 +112,7 @@ def start(case: dict) -> dict[str, float]:
 
 def meshed(case: dict) -> list[dict]:
     """One row for each mesher of a work, with the quality of its mesh; all run in turn, ``repeats`` times."""
-    from . import front, layers, meshers, planar, prisms, small, tree, volume
+    from . import front, layers, meshers, planar, prisms, small, space_front, tree, volume
     from .quality import measures
 
     work, n = case["work"], case["n"]
@@ -121,6 +121,7 @@ def meshed(case: dict) -> list[dict]:
         "front": front,
         "layers": layers,
         "prisms": prisms,
+        "space_front": space_front,
         "tree": tree,
         "volume": volume,
     }

@@ -106,6 +106,12 @@ def _fronts() -> None:
     unstruct.front_delaunay(_ring(), 0.5)
 
 
+def _fronts_in_space() -> None:
+    body = unstruct.Domain.box((0, 0, 0), (1, 1, 1))
+    unstruct.advancing_front(body, 0.6)
+    unstruct.advancing_front(body, _grid, history=True)
+
+
 def _metrics() -> None:
     metric = unstruct.sizing.directional([1, 1], _grid, 0.2)
     mesh = unstruct.advancing_front(_ring(), unstruct.sizing.intersection(metric, 0.5))
@@ -162,6 +168,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "points in bodies": _body_points,
     "Voronoi segments": _segments,
     "advancing fronts": _fronts,
+    "advancing fronts in space": _fronts_in_space,
     "metrics": _metrics,
     "insertion": _insert,
     "gift wrapping": _gift_wrap,

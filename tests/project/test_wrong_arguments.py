@@ -78,6 +78,7 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
         "voronoi_segment": (u.voronoi_segment, (SQUARE, 0.3), {}),
         "advancing_front": (u.advancing_front, (SQUARE, 0.3), {}),
         "classical front": (u.advancing_front, (SQUARE, 0.3), {"method": "classical"}),
+        "front in space": (u.advancing_front, (u.Domain.box(), 0.6), {}),
         "front in a metric": (u.advancing_front, (SQUARE, sizing.directional((1.0, 0.0), 0.3, 0.2)), {}),
         "front_delaunay": (u.front_delaunay, (SQUARE, 0.3), {}),
         "advancing_layers": (u.advancing_layers, (SQUARE, 0.2), {"layers": LAYERS, "walls": ["a"]}),

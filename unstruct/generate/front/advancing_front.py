@@ -154,17 +154,20 @@ def advancing_front(
     *In space* the front consists of triangles, and t is the tetrahedron ahead of a face ABC in a
     tetrahedralization of what is not meshed. It is accepted if R < 1.1 f, with f = sqrt(6) h / 4; no point
     is placed within 0.75 h of a vertex, nor where a face of the front is seen under 120 degrees; and cells
-    with R < 1.1 f and three or four faces at the front are closed at once. "widest" compares R / f, "shortest"
-    areas. ``placement`` is "equal sides" (XA = XB = XC; the default), "sphere" (the sphere through A, B, C
-    and X has the radius f), "angle", or a function, called as ``placement(a, b, c, h)``. "angle" looks at the
-    edge of ABC where the angle to the next face of the front is least: up to 94 degrees the apex ahead is
-    taken if it is that of this face; up to 169 degrees X halves the angle. The cell ahead of a face is valid,
-    again at all times, but it may be flat: where no point is possible, a "forced" cell may be a sliver, and
-    so may a small one. ``finish`` cures these by `improve`. The number of new points is bounded: six volumes
-    of a cell with a new point are at least 0.05 m^3, m being the mean edge of its face, and no edge is ever
-    shorter than the shortest one of the surface, or 0.75 times the least h. ``counts`` has "empty sphere"
-    for "empty circle", and "flat", for ideal points whose cells would be flatter than that. ``unrefined``
-    are the cells with an edge of more than 2.5 h. ``steps`` has "face" for "edge". Metrics are for the plane.
+    with R < 1.1 f and three or four faces at the front are closed at once. There, h is at most 1.4 times the
+    mean edge m of ABC, so that cells grow gently from a surface finer than the size. "widest" compares
+    R / f, "shortest" areas. ``placement`` is "equal sides" (XA = XB = XC, between 0.55 m and 1.4 m; the
+    default), "sphere" (the sphere through A, B, C and X has the radius f), "angle", or a function, called as
+    ``placement(a, b, c, h)``. "angle" looks at the edge of ABC where the angle to the next face of the front
+    is least: up to 94 degrees the apex ahead is taken if it is that of this face; up to 169 degrees X halves
+    the angle. The cell ahead of a face is valid, again at all times, but it may be flat: where no point is
+    possible, a "forced" cell may be a sliver, and so may a small one. ``finish`` cures these by `improve`.
+    The number of new points is bounded: six volumes of a cell with a new point are at least 0.05 m^3, these
+    cells do not overlap, and no edge is ever shorter than the shortest one of the triangulation of the
+    surface, or 0.75 times the least h. ``counts`` has "empty sphere" for "empty circle", and "flat", for
+    ideal points whose cells would be flatter than that. ``unrefined`` are the cells with an edge of more than
+    2.5 h; there are some where triangles that stay are larger than the size. ``steps`` has "face" for "edge".
+    Metrics are for the plane.
 
     *The classical method in space* may stick: no vertex of the front can be joined to any face of it, as with
     Schönhardt's prism. What is left is then filled by recovery with points inside, and counted. See

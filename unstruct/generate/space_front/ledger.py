@@ -1,8 +1,8 @@
 """What the front in space keeps: its rule, its record, its counts, its queue and its faces, compiled.
 
-As in the plane, cells wait in buckets (`generate.rebay.queue`), and are graded only when they are queued: most
-new cells are replaced before the front arrives. Helpers here are inlined, since a record with forty arrays is
-copied at each call: that took two thirds of the time. Book: 3.5.
+As in the plane, cells wait in buckets (`generate.rebay.queue`), and are graded only when they are queued:
+most new cells are replaced before the front arrives. Helpers here are inlined, since a record with forty
+arrays is copied at each call: that took two thirds of the time. Book: 3.5.
 """
 
 from __future__ import annotations

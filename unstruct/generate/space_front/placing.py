@@ -25,7 +25,7 @@ from ..volume_points.limits import REGULAR, wanted_in_space
 from ..volume_points.measures import face_center
 
 SAME_SIDES, AT_EDGE, ON_SPHERE, BY_CALLER = range(4)
-SHORTEST_LATERAL, LONGEST_LATERAL = 0.55, 2.0  # times the mean edge of ABC
+SHORTEST_LATERAL, LONGEST_LATERAL = 0.55, 1.4  # times the mean edge of ABC
 # The angles are compared by their cosines: arccos(1/3) times 4/3 and 12/5.
 COS_CONNECT, COS_HALVE = -0.06995, -0.98269
 

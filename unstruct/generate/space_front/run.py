@@ -150,8 +150,8 @@ class SpaceFrontRun:
 
     def _asked(self, face: int) -> NDArray[np.float64]:
         """The point that the function of the caller wants for a face, scaled; NaN for the apex ahead."""
-        cells, assert_place = self.cells, self.place
-        assert assert_place is not None
+        cells, place = self.cells, self.place
+        assert place is not None
         t, i = face >> 2, face & 3
         corners = [[1, 3, 2], [0, 2, 3], [0, 3, 1], [0, 1, 2]][i]
         vertices = cells.vertex[4 * t : 4 * t + 4][corners]
@@ -160,7 +160,7 @@ class SpaceFrontRun:
         h = float(wanted_in_space(self.limits, cells.region[t], *middle)) / cells.factor
         where = f"the front face {a.tolist()}, {b.tolist()}, {c.tolist()}"
         try:
-            point = assert_place(a, b, c, h)
+            point = place(a, b, c, h)
         except Exception as error:
             raise InputError(
                 f"placement raised {type(error).__name__} ({error}) for {where}; it is called as "

@@ -1,8 +1,8 @@
 """The advancing front over the tetrahedralization of what is not meshed yet, compiled.
 
-Cells inside the body are *accepted*, that is, finished, or not. The *front* consists of all faces between the
-two kinds and of all faces of facets that still have an unfinished side. Faces of the front are marked as those
-of facets are, so that no cavity crosses them: what has been accepted stays.
+Cells inside the body are *accepted*, that is, finished, or not. The *front* consists of all faces between
+the two kinds and of all faces of facets that still have an unfinished side. Faces of the front are marked as
+those of facets are, so that no cavity crosses them: what has been accepted stays.
 
 A step takes a face ABC of the front, with the unfinished cell t ahead of it. It accepts t, or inserts the
 ideal point X among what is not finished and accepts ABCX.
@@ -25,7 +25,7 @@ from ..rebay.queue import ACCEPTED, STATUS, next_slot
 from ..volume_points.limits import REGULAR
 from ..volume_points.measures import cell_center, encroaches_face, face_center
 from . import ledger as book
-from .placing import BY_CALLER, ideal_apex
+from .placing import BY_CALLER, LONGEST_LATERAL, ideal_apex
 
 CALLER = 8  # how a call ended: a point is wanted from a function of the caller
 # Outcomes of a judgment. All but the first and the last are counted, in the order of `ledger`.
@@ -137,7 +137,7 @@ def choose_ahead(march, counts, face, answer, out):
         if not close:
             xyz[p, 0], xyz[p, 1], xyz[p, 2] = answer[0], answer[1], answer[2]
     reason = NOTHING
-    if square < (book.CELL_ACCEPT * REGULAR * h) ** 2:
+    if square < (book.CELL_ACCEPT * REGULAR * min(h, side)) ** 2:
         reason = book.SMALL_CELL
     elif close:
         reason = book.AT_DIHEDRAL
@@ -148,9 +148,9 @@ def choose_ahead(march, counts, face, answer, out):
 
 @inline
 def last_resort(march, counts, face, out):
-    """Write the circumcenter of a cell that was set aside as the next vertex, and judge it: an outcome, h, R^2.
+    """Write the circumcenter of a cell that was set aside as the next vertex, and judge it.
 
-    A small cell needs no point.
+    Returns an outcome, h and R^2. A small cell needs no point.
     """
     solid, xyz, p = march.solid, march.solid.xyz, counts[book.VERTICES_USED]
     square, _, _ = cell_center(xyz, solid.vertex, face >> 2, out)
@@ -163,10 +163,15 @@ def last_resort(march, counts, face, out):
 
 
 @inline
-def is_small(march, t, out):
-    """Whether the circumradius of cell t is small enough for it to be accepted as it is."""
-    square, _, _ = cell_center(march.solid.xyz, march.solid.vertex, t, out)
-    return square < (book.CELL_ACCEPT * REGULAR * book.size_of_cell(march.solid, march.limits, t)) ** 2
+def is_small(march, face, out):
+    """Whether the circumradius of the cell ahead of a face is small enough for it to be accepted as it is."""
+    solid, t, k = march.solid, face & ~3, face & 3
+    xyz, a, b = solid.xyz, solid.vertex[t + corner(k, 0)], solid.vertex[t + corner(k, 1)]
+    c = solid.vertex[t + corner(k, 2)]
+    mean = np.sqrt((_square_to(xyz, a, b) + _square_to(xyz, b, c) + _square_to(xyz, c, a)) / 3.0)
+    square, _, _ = cell_center(xyz, solid.vertex, face >> 2, out)
+    h = min(book.size_of_cell(solid, march.limits, face >> 2), LONGEST_LATERAL * mean)
+    return square < (book.CELL_ACCEPT * REGULAR * h) ** 2
 
 
 @inline
@@ -192,8 +197,9 @@ def end_step(march, diary, counts, face, reason, out):
             t = np.int64(stack[depth])
             if march.links[t, STATUS] == ACCEPTED or book.faces_at_front(solid.mark, t) < book.FACES_TO_CLOSE:
                 continue
-            if is_small(march, t, out):
-                face, reason = book.front_face(solid.xyz, solid.vertex, solid.mark, t, 0), book.CLOSED_CELL
+            g = book.front_face(solid.xyz, solid.vertex, solid.mark, t, 0)
+            if is_small(march, g, out):
+                face, reason = g, book.CLOSED_CELL
     for i in range(many):
         if march.links[later[i], STATUS] != ACCEPTED:
             book.enqueue_cell(march, np.int64(later[i]), out)
