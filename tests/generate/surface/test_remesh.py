@@ -114,7 +114,9 @@ def test_points_of_an_stl_are_one() -> None:
 
 def test_repeated_degenerate_and_turned_triangles() -> None:
     points, triangles = sphere()
-    rows = np.concatenate([triangles, triangles[:5], [[0, 0, 1], [2, 3, 2]]])
+    n = len(points)
+    rows = np.concatenate([triangles, triangles[:5], [[0, n, 1], [2, 3, n + 1]]])
+    points = np.concatenate([points, points[[0, 2]]])
     rows[10:60] = rows[10:60, ::-1]
     mesh = remesh(Mesh(points, rows), 0.2)
     assert mesh.counts["repeated triangles"] == 5 and mesh.counts["degenerate triangles"] == 2
@@ -239,7 +241,7 @@ def test_names_of_a_body() -> None:
 
 def test_sizes_that_vary() -> None:
     points, triangles = sphere(0.05)
-    mesh = remesh(Mesh(points, triangles), lambda x: 0.03 + 0.05 * (1 + x[:, 2]))
+    mesh = remesh(Mesh(points, triangles), lambda x: 0.03 + 0.05 * (1 + x[:, 2]), deviation=0.01)
     ends = mesh.points[mesh.edges]
     length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     ratio = length / (0.03 + 0.05 * (1 + ends.mean(axis=1)[:, 2]))

@@ -13,10 +13,11 @@ from ...base.progress import progress_bar
 from ...connect.surface.complex import SurfaceComplex, Taken
 from ...domain.domain import Domain
 from ...domain.given_surface import USUAL_SHARP, GivenSurface, given_surface
+from ...geometry.edge_vectors import lengths
 from ...geometry.support_features import same_points
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
-from ...sizing.asked import MISSED_SIZE, too_large
+from ...sizing.asked import MISSED_SIZE, MUCH_LONGER
 from ...sizing.field import SizeField, as_size
 from .cleaning import Cleaned, cleaned
 from .distances import curve_deviation, surface_deviation
@@ -192,8 +193,8 @@ def _account(
     mesh = Mesh(points, taken.triangles)
     fault = run.faults()[taken.slots]
     crossed = np.isin(taken.slots, crossing)
-    large = np.zeros(mesh.size, dtype=bool)
-    large[too_large(mesh, run.size).cells] = True
+    sides = points[taken.triangles] - points[np.roll(taken.triangles, 1, axis=1)]
+    large = lengths(sides).max(axis=1) > MUCH_LONGER * run.size(points[taken.triangles].mean(axis=1))
     why: dict[int, str] = {}
     for i in np.flatnonzero(large).tolist():
         why[i] = NO_BUDGET if run.short else MISSED_SIZE

@@ -114,15 +114,15 @@ class RemeshRun:
         start = 0
         while start >= 0:
             room = self.room()
-            if self.short:
+            if room == 0:
                 return
             self.complex.grow(room, 2 * room)
-            start = int(split_pass(self.work, start, AT_ONCE))
+            start = int(split_pass(self.work, start, min(room, AT_ONCE)))
 
     def room(self) -> int:
         """For how many vertices arrays should grow; notes if there may be no more."""
         room = min(int(GROWN * self.used) + 1, self.budget - self.used)
-        self.short = room <= 0
+        self.short = self.short or room <= 0
         return max(room, 0)
 
     @property
@@ -220,10 +220,12 @@ class RemeshRun:
     def mend(self, fault: NDArray[np.int8]) -> None:
         """Finer triangles where those there are too far from the surface."""
         start = 0
-        while start >= 0 and not self.short:
+        while start >= 0:
             room = self.room()
+            if room == 0:
+                break
             self.complex.grow(room, 2 * room)
-            start = int(mend_pass(self.work, fault, FAR))
+            start = int(mend_pass(self.work, fault, FAR, room))
         self.flip(False)
         self.sharpen(LEAST_TARGET)
 

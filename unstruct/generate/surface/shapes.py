@@ -218,16 +218,19 @@ def settle(work, v, kind, guess):
     p, held, place, s = work.x[0], work.held, work.place, work.sheets
     if kind == ON_CURVE:
         e = nearest_on_chain(held, work.x, 0, s.on[v], place, work.stack)
-        one, two = place[0], place[1]
+        share = place[1]
         for k in range(3):
-            p[k] = one * held.edges[e, 0, k] + two * held.edges[e, 1, k]
+            a, b = held.edges[e, 0, k], held.edges[e, 1, k]
+            p[k] = a + share * (b - a) if share < 1.0 else b
         return nearest_to(work, guess, TINY)[0]
     t = nearest_to(work, guess, s.allowed[v] * s.allowed[v])[0]
     for k in range(3):
-        total = 0.0
-        for j in range(3):
-            total += place[j] * held.corners[t, j, k]
-        p[k] = total
+        a, b, c = held.corners[t, 0, k], held.corners[t, 1, k], held.corners[t, 2, k]
+        p[k] = a + (
+            place[1] * (b - a) + place[2] * (c - a)
+        )  # in a plane of constant x, y or z it stays there
+        if place[1] == 1.0 or place[2] == 1.0:
+            p[k] = b if place[1] == 1.0 else c
     return t
 
 

@@ -10,7 +10,7 @@ from ...connect.surface.halfedges import SEAM, first_corner, has_room, turned
 from .flips import flip_if_better
 from .lengths import collapse_checked, split_checked
 from .moves import search_at
-from .shapes import distance_squared, sharpness
+from .shapes import SPLITS, distance_squared, sharpness
 
 __all__ = ["mend_pass", "sharpest_pass"]
 
@@ -83,13 +83,13 @@ def sharpest_pass(work, start, stop, target, tried):
 
 
 @kernel
-def mend_pass(work, fault, kinds):
+def mend_pass(work, fault, kinds, most):
     """Split the longest edges of triangles with such faults; where it stopped for want of room, or -1."""
-    s = work.sheets
+    s, last = work.sheets, work.counts[SPLITS] + most
     for t in range(fault.shape[0]):
         if s.vertex[3 * t] == UNUSED or fault[t] & kinds == 0:
             continue
-        if not has_room(s, 1, 2):
+        if work.counts[SPLITS] >= last or not has_room(s, 1, 2):
             return t
         longest, most = 3 * t, 0.0
         for e in range(3 * t, 3 * t + 3):
