@@ -43,9 +43,9 @@ from .sphere_signs import cotangent_signs, exact_ball_signs, filter_ball, plane_
 
 __all__ = ["SurfaceCriteria", "surface_criteria"]
 
-WIDER = 1.0 + 1e-5  # for the square of a radius, which is computed to six digits at least
+WIDER_BALL = 1.0 + 1e-5  # for the square of a radius, which is computed to six digits at least
 THIN_BALL = 1e-9  # of the longest side squared: triangles with less area are compared with all vertices
-DEEP = 256  # nodes that wait
+DEEP_BALL = 256  # nodes that wait
 
 
 @dataclass
@@ -146,7 +146,7 @@ def _plane_balls(xyz, rows, first, vertex, tree, culprit, doubt):
     written to ``doubt`` where no vertex is surely inside; the kernel stops when there is no more room.
     """
     order, start, size, low, high = tree
-    stack = np.empty(DEEP, dtype=np.int64)
+    stack = np.empty(DEEP_BALL, dtype=np.int64)
     center = np.empty(3)
     count = 0
     for t in range(first, rows.shape[0]):
@@ -154,7 +154,7 @@ def _plane_balls(xyz, rows, first, vertex, tree, culprit, doubt):
         for _ in range(2):  # the corner opposite the longest side comes first
             if _square(xyz, b, c) < max(_square(xyz, a, b), _square(xyz, c, a)):
                 a, b, c = b, c, a
-        radius = _center(xyz, a, b, c, center) * WIDER
+        radius = _center(xyz, a, b, c, center) * WIDER_BALL
         begin, best = count, np.inf
         stack[0], top = 0, 1
         while top > 0:
@@ -184,7 +184,7 @@ def _plane_balls(xyz, rows, first, vertex, tree, culprit, doubt):
                     away += (xyz[p, k] - center[k]) ** 2
                 if not away >= best:
                     best, culprit[t] = away, p
-                    radius = min(radius, away * WIDER)
+                    radius = min(radius, away * WIDER_BALL)
         if culprit[t] >= 0:
             count = begin
     return rows.shape[0], count

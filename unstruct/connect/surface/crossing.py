@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 WELL_SHAPED = 1e-7  # of the terms of a determinant: if it is less, the center is computed by fractions
 BLUR = 1e-8  # no computed place is farther off, in units of its distance from what it is made of
 CENTERS_AT_ONCE = 1 << 18
-WAITING_BOXES = 128
+WAITING_DUALS = 128
 
 
 class Duals(NamedTuple):
@@ -162,7 +162,7 @@ def _crossings(duals, tree, corner, normals, first, sure, doubt):
     """Write pairs (dual edge, triangle) that surely meet, and those that may; (next edge, both counts)."""
     low, high, order = tree
     leaves = low.shape[0] // 2
-    stack = np.empty(WAITING_BOXES, dtype=np.int64)
+    stack = np.empty(WAITING_DUALS, dtype=np.int64)
     many = open_ = 0
     step = np.empty(3)
     for f in range(first, duals.start.shape[0]):

@@ -16,7 +16,7 @@ __all__ = ["fit_surfaces"]
 
 Array = NDArray[np.float64]
 TERMS_OF_CUBIC, TERMS_OF_QUADRIC = 9, 5
-ENOUGH = 12  # neighbors: with as many or more of them, those two edges away are not needed
+ENOUGH_NEAR = 12  # neighbors: with as many or more of them, those two edges away are not needed
 MOST_NEIGHBORS = 96
 WEAK_PIVOT = 1e-9  # of the diagonal: what is left of a column that others explain
 
@@ -65,7 +65,7 @@ def _gather(v, start, joined, stamp, near):
             near[count] = joined[i]
             stamp[joined[i]] = v
             count += 1
-    if count >= ENOUGH:
+    if count >= ENOUGH_NEAR:
         return count
     for k in range(count):
         w = near[k]

@@ -184,7 +184,7 @@ class IntrinsicTriangulation:
         """Those of `edges` that may be flipped, and whose angles add up to more than pi beyond rounding."""
         sides, h = self.sides, self.edges
         free = (sides.twin[h] >= 0) & (sides.under[h] < 0)
-        return h[free & (self.cotangents() < -ROUNDED)]
+        return h[free & (self.cotangents() < -ROUNDED_SUM)]
 
     # ------------------------------------------------------------------ changes
 
@@ -267,9 +267,9 @@ class IntrinsicTriangulation:
             )
         return self._inserted(split_side, half_edge, float(part))
 
-    def _inserted(self, kernel: Any, *arguments: Any) -> int:
+    def _inserted(self, operation: Any, *arguments: Any) -> int:
         self.reserve(2, 1)
-        while (found := kernel(self.shape, *arguments)) < 0:
+        while (found := operation(self.shape, *arguments)) < 0:
             self.more_crossings()
         self.counts["inserted"] += 1
         self._events = []  # a replay cannot insert
@@ -322,7 +322,7 @@ class IntrinsicTriangulation:
 
 
 R = TypeVar("R", Sides, Places)
-ROUNDED = 1e-9  # a sum of cotangents that is as much below zero is no rounding
+ROUNDED_SUM = 1e-9  # a sum of cotangents that is as much below zero is no rounding
 
 
 def _cotangents(sides: Sides, h: NDArray[np.int32]) -> NDArray[np.float64]:

@@ -28,7 +28,7 @@ __all__ = [
 ]
 
 LEGAL_ERROR = 2.0**-50  # of the cotangents' sum, in units of the squares over the areas: it bounds rounding
-FLATTEST = 2.0**-100  # the least four areas of a triangle, in units of its longest edge squared
+FLATTEST_CONTENT = 2.0**-100  # the least four areas of a triangle, in units of its longest edge squared
 
 
 class Sides(NamedTuple):
@@ -63,7 +63,7 @@ class Sides(NamedTuple):
 
 @inline
 def four_areas(a, b, c):
-    """Four times the area of a triangle with these sides, never less than `FLATTEST` allows.
+    """Four times the area of a triangle with these sides, never less than `FLATTEST_CONTENT` allows.
 
     Heron's formula in the order by W. Kahan (*Miscalculating area and angles of a needle-like triangle*):
     nothing is lost for needles but what their lengths have lost already.
@@ -75,7 +75,7 @@ def four_areas(a, b, c):
     if a < b:
         a, b = b, a
     product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c))
-    return max(np.sqrt(max(product, 0.0)), FLATTEST * a * a)
+    return max(np.sqrt(max(product, 0.0)), FLATTEST_CONTENT * a * a)
 
 
 @inline

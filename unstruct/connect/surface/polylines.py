@@ -12,7 +12,7 @@ from .tracing import Line, follow
 
 __all__ = ["polylines"]
 
-SPENT = 1e-11  # crossings so near the end of a line, in units of its length, are the end itself
+SPENT_LINE = 1e-11  # crossings so near the end of a line, in units of its length, are the end itself
 
 
 @kernel
@@ -27,7 +27,7 @@ def _crossings(shape, edges, first, side, at, start):
         if sides.under[h] < 0:
             _, count = follow(
                 shape.ground, line_start(places, v), places.weights[v], sides.turn[h],
-                (1.0 - SPENT) * sides.length[h], line, False,
+                (1.0 - SPENT_LINE) * sides.length[h], line, False,
             )  # fmt: skip
         if count < 0 or total + count > side.shape[0]:
             return i

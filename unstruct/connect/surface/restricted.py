@@ -39,7 +39,7 @@ __all__ = ["RestrictedDelaunay", "on_surface", "restricted_delaunay"]
 Array = NDArray[np.float64]
 Implicit = Callable[[Array], ArrayLike]
 FAR_RAY = 8.0  # how far rays are followed, in units of the size of everything
-BISECTIONS = 60
+DUAL_BISECTIONS = 60
 
 
 @dataclass
@@ -229,7 +229,7 @@ def _from_function(mesh: Mesh, duals: Duals, function: Implicit) -> RestrictedDe
     first, last = _values(function, duals.start), _values(function, duals.end)
     f = np.flatnonzero((first < 0) != (last < 0))
     low, high, below = duals.start[f].copy(), duals.end[f].copy(), first[f] < 0
-    for _ in range(BISECTIONS):
+    for _ in range(DUAL_BISECTIONS):
         middle = low + (high - low) / 2
         same = (_values(function, middle) < 0) == below
         low[same], high[~same] = middle[same], middle[~same]

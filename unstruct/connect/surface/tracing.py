@@ -44,8 +44,8 @@ class Ground(NamedTuple):
 class Line(NamedTuple):
     """What `follow` writes: crossed half-edges and where on them, from 0 to 1; and the end.
 
-    ``end`` holds six numbers: the weights of the last point in its face, the angle of the line in the frame of
-    this face, the length that was left when it ended at a wall, and the half-edge ahead.
+    ``end`` holds six numbers: the weights of the last point in its face, the angle of the line in the frame
+    of this face, the length that was left when it ended at a wall, and the half-edge ahead.
     """
 
     side: NDArray[np.int32]

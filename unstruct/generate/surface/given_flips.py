@@ -21,7 +21,7 @@ from ...connect.surface.sphere_signs import filter_ball
 
 __all__ = ["Flipped", "flip_given"]
 
-FACING = 1e-9  # the least cosine between new triangles and the mean of the old ones
+FACING_FLIP = 1e-9  # the least cosine between new triangles and the mean of the old ones
 
 
 class Given(NamedTuple):
@@ -77,7 +77,7 @@ def _moves(xyz, a, b, c, d, tolerance):
     nx, ny, nz = px + qx, py + qy, pz + qz
     for k in range(2):
         x, y, z = _normal(xyz, a, d, c) if k == 0 else _normal(xyz, b, c, d)
-        if not x * nx + y * ny + z * nz > FACING:
+        if not x * nx + y * ny + z * nz > FACING_FLIP:
             return True
     ex, ey, ez = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]
     fx, fy, fz = xyz[d, 0] - xyz[c, 0], xyz[d, 1] - xyz[c, 1], xyz[d, 2] - xyz[c, 2]

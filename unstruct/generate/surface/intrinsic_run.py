@@ -36,9 +36,13 @@ __all__ = ["IntrinsicRun"]
 
 Array = NDArray[np.float64]
 SHARP_CORNER = np.pi / 3  # angles below it, whole or between kept edges, are no reason to divide
-LONGER = 2.0**0.5  # kept edges may be so many times as long as wanted
-PASSES = 1000
-CLOSER, LEAST_SHARE, GREATEST_SHARE = 0.7, 0.35, 0.6  # by how much shorter edges are wanted at a time
+LONGER_KEPT = 2.0**0.5  # kept edges may be so many times as long as wanted
+REFINING_PASSES = 1000
+CLOSER_SHRINK, LEAST_SHRINK, GREATEST_SHRINK = (
+    0.7,
+    0.35,
+    0.6,
+)  # by how much shorter edges are wanted at a time
 WALK_ROOM = 512
 LINE_ROOM = 4096
 
@@ -144,14 +148,14 @@ class IntrinsicRun:
 
     # ------------------------------------------------------------------ changes
 
-    def _driven(self, kernel: Any, rows: NDArray[np.int64]) -> int:
-        """Run a kernel over rows; how many vertices it put."""
+    def _driven(self, operation: Any, rows: NDArray[np.int64]) -> int:
+        """Run an operation over rows; how many vertices it put."""
         tally, first, shown = np.zeros(2, dtype=np.int64), 0, int(self.found.shape.numbers[1])
         while first < len(rows):
             if int(self.found.shape.numbers[1]) >= self.budget:
                 self.out_of_budget = True
                 break
-            first = kernel(self.found.shape, self.bounds, self.queues, rows, first, tally)
+            first = operation(self.found.shape, self.bounds, self.queues, rows, first, tally)
             self.bar.update(int(self.found.shape.numbers[1]) - shown)
             shown = int(self.found.shape.numbers[1])
             if first < len(rows) and int(self.found.shape.numbers[1]) < self.budget:
@@ -166,7 +170,7 @@ class IntrinsicRun:
             h = np.flatnonzero((sides.under >= 0) & (sides.twin < np.arange(len(sides.twin))))
             after = np.where(h % 3 == 2, h - 2, h + 1)
             wanted = np.minimum(self.wanted[sides.vertex[h]], self.wanted[sides.vertex[after]])
-            rows = h[sides.length[h] > LONGER * wanted]
+            rows = h[sides.length[h] > LONGER_KEPT * wanted]
             put = self._driven(halve_sides, rows.astype(np.int64)) if len(rows) else 0
             if put + self.equalize() == 0:
                 break
@@ -182,7 +186,9 @@ class IntrinsicRun:
     def _settle_floor(self) -> None:
         """Half the shortest edge that there is or that the size asks for: set once."""
         if self.floor == 0.0:
-            least = min(float(self.found.sides.length.min()), float(self.wanted[: self.measured].min()) / LONGER)
+            least = min(
+                float(self.found.sides.length.min()), float(self.wanted[: self.measured].min()) / LONGER_KEPT
+            )
             self.floor = 0.5 * least
 
     def angles_below(self) -> NDArray[np.int64]:
@@ -196,13 +202,13 @@ class IntrinsicRun:
         sides = self.found.sides
         x, wanted = sides.length.reshape(-1, 3), self.wanted[sides.vertex].reshape(-1, 3).min(axis=1)
         radius = x[:, 0] * x[:, 1] * x[:, 2] / sides.content
-        return np.flatnonzero(radius > wanted / LONGER)
+        return np.flatnonzero(radius > wanted / LONGER_KEPT)
 
     def refine(self) -> None:
         """Put vertices until all triangles are as they should be, or nothing more can be done."""
         self.halve_long()
         self._settle_floor()
-        for _ in range(PASSES):
+        for _ in range(REFINING_PASSES):
             rows, _ = self.bad()
             if len(rows) == 0 or self.out_of_budget:
                 break
@@ -222,8 +228,10 @@ class IntrinsicRun:
         """
         sides = self.found.sides
         x = sides.length.reshape(-1, 3)[triangles]
-        largest = LONGER * x[:, 0] * x[:, 1] * x[:, 2] / sides.content[triangles]  # the size that it fits
-        less = largest * np.clip(CLOSER / excess, LEAST_SHARE, GREATEST_SHARE)
+        largest = (
+            LONGER_KEPT * x[:, 0] * x[:, 1] * x[:, 2] / sides.content[triangles]
+        )  # the size that it fits
+        less = largest * np.clip(CLOSER_SHRINK / excess, LEAST_SHRINK, GREATEST_SHRINK)
         corners = sides.vertex.reshape(-1, 3)[triangles]
         for k in range(3):
             np.minimum.at(self.wanted, corners[:, k], less)

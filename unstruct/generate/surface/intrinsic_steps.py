@@ -20,9 +20,9 @@ from ...connect.surface.tracing import Ground, Line, follow, frame_of
 
 __all__ = ["Bounds", "Queues", "halve_sides", "refine_triangles", "worst_triangles"]
 
-TOO_LARGE, TOO_SHARP, LEFT_ALONE = 1, 2, 0
-BESIDE = 1e-6  # circumcenters that are as near to an edge, in units of heights, are put on it
-LONGEST_WALK = 256  # triangles whose circle holds a circumcenter that are looked at for kept edges
+FAULT_LARGE, FAULT_SHARP, LEFT_ALONE = 1, 2, 0
+BESIDE_EDGE = 1e-6  # circumcenters that are as near to an edge, in units of heights, are put on it
+LONGEST_LOOK = 256  # triangles whose circle holds a circumcenter that are looked at for kept edges
 NO_ROOM, SKIPPED = -1, -2
 
 
@@ -74,12 +74,12 @@ def _fault(sides, bounds, t):
         if sides.length[h] < least:
             least, short = sides.length[h], h
     if radius > size * np.sqrt(0.5):
-        return TOO_LARGE, radius
+        return FAULT_LARGE, radius
     apex = sides.vertex[previous_side(short)]
     if least < bounds.sine * radius and radius > bounds.floor and not bounds.sharp[apex]:
         one, two = sides.under[next_side(short)], sides.under[previous_side(short)]
         if one < 0 or two < 0:  # between two kept edges the angle is given
-            return TOO_SHARP, radius
+            return FAULT_SHARP, radius
     return LEFT_ALONE, radius
 
 
@@ -150,7 +150,7 @@ def _wall_near(sides, queues, t, one, two):
         top += 1
         ax, ay, bx, by, cx, cy = bx, by, cx, cy, ax, ay
     seen = 0
-    while top > 0 and seen < LONGEST_WALK:
+    while top > 0 and seen < LONGEST_LOOK:
         top -= 1
         seen += 1
         h = int(walk[top, 0])
@@ -221,17 +221,17 @@ def _toward_center(shape, bounds, queues, t):
         return NO_ROOM
     ahead = int(line.end[5])
     if line.end[4] > 0.0:
-        return _halve(shape, bounds, queues, ahead, _fault(sides, bounds, t)[0] == TOO_LARGE)
+        return _halve(shape, bounds, queues, ahead, _fault(sides, bounds, t)[0] == FAULT_LARGE)
     zero, one, two = line.end[0], line.end[1], line.end[2]
     wall = _wall_near(sides, queues, face, one, two)
     if wall >= 0:
         return _halve(shape, bounds, queues, wall, False)
     least = min(zero, min(one, two))
-    if least < BESIDE:  # weight k is that of the corner opposite side k + 1
+    if least < BESIDE_EDGE:  # weight k is that of the corner opposite side k + 1
         k = 1 if zero == least else (2 if one == least else 0)
         h = 3 * face + k
         part = one if k == 0 else (two if k == 1 else zero)
-        if part < BESIDE or part > 1.0 - BESIDE:
+        if part < BESIDE_EDGE or part > 1.0 - BESIDE_EDGE:
             return SKIPPED
         g = sides.twin[h]
         if sides.under[h] >= 0 or g < 0:

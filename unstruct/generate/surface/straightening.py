@@ -112,9 +112,7 @@ def faulty_sides(run: IntrinsicRun, straight: Straight) -> tuple[NDArray[np.int6
     return _longest(run, np.unique(pairs)), "triangles that meet others" if len(pairs) else ""
 
 
-def too_far(
-    run: IntrinsicRun, straight: Straight, near: float
-) -> tuple[NDArray[np.int64], Array, float]:
+def too_far(run: IntrinsicRun, straight: Straight, near: float) -> tuple[NDArray[np.int64], Array, float]:
     """Triangles that are too far from the surface, how many times too far, and the greatest distance."""
     support = run.given.support
     there, back = support.distances(straight.points, straight.triangles)

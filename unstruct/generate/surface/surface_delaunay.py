@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 FLAT_ENOUGH = 2.0**-44  # of the largest coordinate: the surface moves by no more without a deviation
 USUAL_LEAST_ANGLE = 25.0  # degrees
 LARGEST_ASKED_ANGLE = 30.0
-HALVINGS = 6  # of the tolerance of flips, until the measured deviation is what was asked for
+TOLERANCE_CUTS = 6  # of the tolerance of flips, until the measured deviation is what was asked for
 REPAIRS = 15  # rounds of halving edges where straight triangles are no surface, or too far away
 
 
@@ -134,7 +134,7 @@ def _flipped(given: GivenSurface, rows: NDArray[np.int32], near: float | None) -
     allowed = rounding if near is None else max(rounding, near * support.factor)
     whole = embedded(support.points, rows)
     tolerance, measured = allowed, 0.0
-    for _ in range(HALVINGS):
+    for _ in range(TOLERANCE_CUTS):
         found = flip_given(xyz, rows, support.features, tolerance)
         measured = max(support.deviation(support.points, found.triangles))
         good = measured * support.factor <= 2.0 * allowed or tolerance <= rounding
