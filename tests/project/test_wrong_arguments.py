@@ -90,6 +90,7 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
         "sampling_density": (studies.sampling_density, (SURFACE.points, SURFACE, 1.0), {}),
         "IntrinsicTriangulation": (studies.IntrinsicTriangulation, (SURFACE,), {}),
         "prismatic_layers": (u.prismatic_layers, (BOX,), {"layers": LAYERS, "side": "inside"}),
+        "remesh": (u.remesh, (u.Domain.box(), 0.5), {}),
         "smooth": (u.smooth, (mesh,), {}),
         "improve": (u.improve, (u.delaunay(np.random.default_rng(0).random((20, 3))),), {}),
         "tetrahedralize": (u.tetrahedralize, (u.Domain.ball(size=1.0), 1.0), {}),

@@ -62,19 +62,17 @@ def test_plane_parts_become_delaunay():
 
 
 def test_a_folded_plane_keeps_its_crease():
-    """Two squares at a right angle, each badly triangulated: flips on both sides, the crease stays."""
-    flat = random_triangulation(np.random.default_rng(4).random((60, 2)), 4)
-    x, y = flat.points.T
-    left, right = (
-        (flat.points[flat.simplices][:, :, 0] < 0.5).all(axis=1),
-        (flat.points[flat.simplices][:, :, 0] > 0.5).all(axis=1),
-    )
-    for part in (left, right):
-        some = flat.select(part)
-        bent = Mesh(np.column_stack([some.points, 3 * some.points[:, 0]]), some.simplices)
-        mesh = made(bent)
-        assert mesh.figures["deviation"] < 1e-12
-        assert surface_criteria(mesh).intrinsic.all()
+    """Two half-planes at 72 degrees, moved vertices in each: flips on both sides, the crease stays."""
+    rng, bowl = np.random.default_rng(4), saddle(12)
+    x, y, _ = bowl.points.T
+    inner = (np.abs(x) < 0.99) & (np.abs(x) > 0.01) & (np.abs(y) < 0.99)
+    x, y = (c + 0.06 * rng.uniform(-1, 1, len(c)) * inner for c in (x, y))
+    bent = Mesh(np.column_stack([x, y, 3 * np.maximum(x, 0.0)]), bowl.simplices)
+    mesh = made(bent)
+    assert mesh.counts["flips"] > 20 and mesh.figures["deviation"] < 1e-12
+    found = surface_criteria(mesh)
+    crease = (np.abs(mesh.points[found.edges][:, :, 0]) < 1e-12).all(axis=1)
+    assert crease.sum() == 12 and found.intrinsic[~crease].all()
 
 
 def test_flips_across_shallow_creases():

@@ -100,7 +100,10 @@ def sampling_density(
     if not isinstance(surface, Mesh) or surface.points.shape[1] != x.shape[1]:
         raise InputError("surface must be a Mesh in the space of the points")
     given = feature_size(surface.points) if callable(feature_size) else feature_size
-    size = np.broadcast_to(as_numbers(given, "feature_size"), (len(surface.points),))
+    size = as_numbers(given, "feature_size")
+    if size.shape not in ((), (len(surface.points),)):
+        raise InputError(f"feature_size must be a number or one for each of {len(surface.points)} vertices")
+    size = np.broadcast_to(size, (len(surface.points),))
     if not (size > 0).all():
         raise InputError("feature_size must be positive: a surface with creases has no dense sample")
     return float((cKDTree(x).query(surface.points)[0] / size).max(initial=0.0))

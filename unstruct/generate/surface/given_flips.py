@@ -25,7 +25,7 @@ FACING_FLIP = 1e-9  # the least cosine between new triangles and the mean of the
 
 
 class Given(NamedTuple):
-    """Half-edges of straight triangles; ``kept`` ones are never flipped, nor any toward ``pinched`` vertices."""
+    """Half-edges of straight triangles; ``kept`` ones stay, and no edge comes to ``pinched`` vertices."""
 
     xyz: NDArray[np.float64]
     vertex: NDArray[np.int32]

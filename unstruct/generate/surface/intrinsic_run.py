@@ -237,7 +237,7 @@ class IntrinsicRun:
             np.minimum.at(self.wanted, corners[:, k], less)
 
     def equalize(self) -> int:
-        """Halve edges at cuts where the same edge of another sheet has been halved; how many vertices were put.
+        """Halve edges at cuts as the same edge of another sheet has been; how many vertices were put.
 
         Kept edges are only halved, so that all sheets' vertices belong to one dyadic tree, exactly.
         """

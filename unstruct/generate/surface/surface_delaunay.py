@@ -42,7 +42,7 @@ def surface_delaunay(
     budget: int | None = None,
     progress: bool = False,
 ) -> DomainMesh:
-    """A Delaunay triangulation of a surface: of its own vertices, or with new ones on it for a size and angles.
+    """A Delaunay triangulation of a surface: of its own vertices, or with new ones on it for a size.
 
     Parameters
     ----------

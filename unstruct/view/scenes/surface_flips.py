@@ -12,9 +12,9 @@ from ..draw import frames as fr
 __all__ = ["RIBBON_NAMES", "ribbon", "ribbon_flips", "surface_flip_frames", "unrolled"]
 
 RIBBON_NAMES = "ABCDEFGH"
-RIBBON_WINDOW = [-0.35, 7.3, -0.75, 2.0]
-SPACE_OFFSET = (5.35, 0.15)  # where the ribbon in space is drawn, beside the unrolled one
-SEEN_RIGHT, SEEN_UP = (0.8, 0.6, 0.0), (-0.24, 0.32, 0.9)  # a view from above, as sums of coordinates
+RIBBON_WINDOW = [-0.5, 4.6, -2.3, 1.9]
+SPACE_OFFSET = (0.2, -2.0)  # where the ribbon in space is drawn, below the unrolled one
+SEEN_RIGHT, SEEN_UP = (1.0, -0.4, 0.0), (-0.1, 0.5, 0.9)  # a view from above, as sums of coordinates
 Point = tuple[float, float, float]
 Flat = tuple[float, float]
 Edge = tuple[int, int]
@@ -23,8 +23,8 @@ Edge = tuple[int, int]
 def ribbon() -> tuple[list[Point], list[tuple[int, int, int]]]:
     """A ribbon of six triangles that is folded at five edges: A to D below, E to H above."""
     points = [
-        (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.6, 0.8, 0.0), (1.6, 1.8, 0.0),
-        (0.1, 0.0, 1.0), (1.1, 0.1, 1.0), (1.7, 0.9, 1.1), (1.7, 1.9, 1.0),
+        (0.0, 0.0, 0.0), (1.2, 0.5, 0.0), (2.3, 0.1, 0.1), (3.5, 0.6, 0.0),
+        (0.2, 0.1, 1.1), (1.1, 0.6, 1.2), (2.4, 0.2, 1.1), (3.6, 0.6, 1.2),
     ]  # fmt: skip
     return points, [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 5, 4), (3, 6, 5), (3, 7, 6)]
 
