@@ -153,18 +153,19 @@ def surface_flip_frames() -> list[fr.Frame]:
             view=RIBBON_WINDOW,
         )
 
-    frames = [drawn("a ribbon, unrolled and in space", steps[0])]
+    frames = [drawn("a ribbon: unrolled, and in space", steps[0])]
     for step, after in zip(steps, steps[1:]):
-        a, b = step["edge"]
-        center, radius = _circle(flat[a], flat[b], flat[step["new"][0]])
-        frames.append(
+        (a, b), far = step["edge"], step["new"]
+        center, radius = min((_circle(flat[a], flat[b], flat[c]) for c in far), key=lambda found: found[1])
+        corners = " and ".join(sorted(RIBBON_NAMES[c] for c in far))
+        frames += [
             drawn(
-                f"{name(step['edge'])}: {step['angles']:.0f} degrees; now {name(step['new'])}",
-                after,
+                f"{name((a, b))}: the angles at {corners} make {step['angles']:.0f} degrees",
+                step,
                 fr.circles("circumcircle", [center], [radius]),
-                lines("bad", [step["edge"]]),
-                lines("inserted", [step["new"]]),
-            )
-        )
-    frames.append(drawn("no edge is illegal", steps[-1]))
+                lines("bad", [(a, b)]),
+            ),
+            drawn(f"{name(far)} takes its place", after, lines("inserted", [far])),
+        ]
+    frames.append(drawn("no angles make more than 180 degrees", steps[-1]))
     return frames
