@@ -3,7 +3,7 @@
 There are Baker's insertion with fixed cells, recovery of edges and in space what it did, insertion that
 breaks no boundary edge, points along the skeleton of a boundary, meshes of the torus, greedy terrain, a proof
 of the angles of `isosurface_stuffing`, what is Delaunay on a surface (criteria, intrinsic flips, restricted
-to it), and the steps by which `swap_diagonals` and `voronoi_segment` reach their results. This module only
+to it), an advancing front on a surface, and the steps by which `swap_diagonals` and `voronoi_segment` reach their results. This module only
 imports them.
 """
 
@@ -36,6 +36,7 @@ from .generate.rebay.voronoi_segment import CASES as CASES
 from .generate.rebay.voronoi_segment import epsilon_chains as epsilon_chains
 from .generate.stuffing.bounds import StuffingBounds as StuffingBounds
 from .generate.stuffing.bounds import stuffing_bounds as stuffing_bounds
+from .generate.surface.front import surface_front as surface_front
 from .geometry.segment_tree import SegmentTree as SegmentTree
 
 __all__ = [

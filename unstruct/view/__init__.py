@@ -87,6 +87,11 @@ from .scenes.stuffing_frames import planar_stuffing as planar_stuffing
 from .scenes.stuffing_frames import planar_stuffing_frames as planar_stuffing_frames
 from .scenes.stuffing_frames import stencil_angles as stencil_angles
 from .scenes.stuffing_frames import stencil_state as stencil_state
+from .scenes.surface_flips import RIBBON_NAMES as RIBBON_NAMES
+from .scenes.surface_flips import ribbon as ribbon
+from .scenes.surface_flips import ribbon_flips as ribbon_flips
+from .scenes.surface_flips import surface_flip_frames as surface_flip_frames
+from .scenes.surface_flips import unrolled as unrolled
 from .scenes.swaps import QUADRILATERALS as QUADRILATERALS
 from .scenes.swaps import diagonal_choice_state as diagonal_choice_state
 from .scenes.swaps import swap_history as swap_history
