@@ -36,6 +36,19 @@ def _onto_edge(p, corner, i, j, place):
 
 
 @apart
+def _refined(p, corner, n, place):
+    """Add to weights what is missing from their point to p in the plane; n is the normal by its square."""
+    ux, uy, uz = corner[1, 0] - corner[0, 0], corner[1, 1] - corner[0, 1], corner[1, 2] - corner[0, 2]
+    vx, vy, vz = corner[2, 0] - corner[0, 0], corner[2, 1] - corner[0, 1], corner[2, 2] - corner[0, 2]
+    rx = p[0] - corner[0, 0] - place[1] * ux - place[2] * vx
+    ry = p[1] - corner[0, 1] - place[1] * uy - place[2] * vy
+    rz = p[2] - corner[0, 2] - place[1] * uz - place[2] * vz
+    place[1] += n[0] * (ry * vz - rz * vy) + n[1] * (rz * vx - rx * vz) + n[2] * (rx * vy - ry * vx)
+    place[2] += n[0] * (uy * rz - uz * ry) + n[1] * (uz * rx - ux * rz) + n[2] * (ux * ry - uy * rx)
+    place[0] = 1.0 - place[1] - place[2]
+
+
+@apart
 def onto(p, corner, place):
     """Write the weights of the point of a triangle that is nearest to p; returns the squared distance."""
     ux, uy, uz = corner[1, 0] - corner[0, 0], corner[1, 1] - corner[0, 1], corner[1, 2] - corner[0, 2]
@@ -53,17 +66,20 @@ def onto(p, corner, place):
             thin = THIN * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
             if square > thin:
                 return height * height / square
-            inner = 0.0  # the weights in a thin triangle are rounded badly: a place on a side may be better
-            for m in range(3):
-                away = p[m] - place[0] * corner[0, m] - place[1] * corner[1, m] - place[2] * corner[2, m]
-                inner += away * away
-            keep_1, keep_2 = place[1], place[2]
-            for i in range(3):
-                away = _onto_edge(p, corner, i, (i + 1) % 3, place)
-                if away <= inner:
-                    return away
-            place[0], place[1], place[2] = 1.0 - keep_1 - keep_2, keep_1, keep_2
-            return inner
+            # The weights in a thin triangle are rounded badly: what they lack is found in the same way, which
+            # may be below zero. A place on a side may be better still.
+            _refined(p, corner, (nx / square, ny / square, nz / square), place)
+            if min(place[0], min(place[1], place[2])) >= 0.0:
+                inner, keep_1, keep_2 = 0.0, place[1], place[2]
+                for m in range(3):
+                    away = p[m] - place[0] * corner[0, m] - place[1] * corner[1, m] - place[2] * corner[2, m]
+                    inner += away * away
+                for i in range(3):
+                    away = _onto_edge(p, corner, i, (i + 1) % 3, place)
+                    if away <= inner:
+                        return away
+                place[0], place[1], place[2] = 1.0 - keep_1 - keep_2, keep_1, keep_2
+                return inner
     k = 0
     best = _onto_edge(p, corner, 0, 1, place)
     for i in range(1, 3):
