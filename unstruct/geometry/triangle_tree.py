@@ -14,7 +14,7 @@ from .segment_tree import to_box
 __all__ = ["TriangleTree", "onto"]
 
 Array = NDArray[np.float64]
-THIN = 1e-4  # the squared sine of an angle of half a degree
+THIN_SQUARED = 1e-4  # the squared sine of an angle of half a degree
 DEEPEST_SEARCH = 128  # nodes that wait; a tree of boxes is never half as deep
 
 
@@ -63,7 +63,7 @@ def onto(p, corner, place):
             place[1], place[2] = one / square, two / square
             place[0] = 1.0 - place[1] - place[2]
             height = wx * nx + wy * ny + wz * nz
-            thin = THIN * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
+            thin = THIN_SQUARED * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
             if square > thin:
                 return height * height / square
             # The weights in a thin triangle are rounded badly: what they lack is found in the same way, which

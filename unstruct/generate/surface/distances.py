@@ -14,8 +14,8 @@ from ...geometry.triangle_tree import TriangleTree
 
 __all__ = ["curve_deviation", "surface_deviation"]
 
-MEASURED = 0.02  # of the length of an edge: a distance up to which walks are good enough
-ALONG = (0.0, 0.25, 0.5, 0.75)  # where edges are sampled
+TRUSTED_WALK = 0.02  # of the length of an edge: a distance up to which walks are good enough
+ALONG_EDGES = (0.0, 0.25, 0.5, 0.75)  # where edges are sampled
 
 
 def curve_deviation(support: Support, taken: Taken) -> float:
@@ -27,13 +27,13 @@ def curve_deviation(support: Support, taken: Taken) -> float:
         return 0.0
     worst = 0.0
     ends = taken.points[taken.edges] / support.factor
-    for t in ALONG:
+    for t in ALONG_EDGES:
         x = (1.0 - t) * ends[:, 0] + t * ends[:, 1]
         away = lengths(x - support.onto_chain(x, taken.curves)[2])
         worst = max(worst, float(away.max()))
     tree = TriangleTree(ends[:, [0, 1, 1]])
     own = support.points[support.features]
-    for t in ALONG:
+    for t in ALONG_EDGES:
         x = (1.0 - t) * own[:, 0] + t * own[:, 1]
         which, weights = tree.nearest(x)
         near = (ends[which][:, [0, 1, 1]] * weights[:, :, None]).sum(axis=1)
@@ -111,7 +111,7 @@ def surface_deviation(
     """
     _, (there, starts), (back, starts_back) = support.samples(points, triangles)
     mesh = Support(points * support.factor, triangles)
-    trust = (MEASURED * float(np.sqrt(_mean_square(mesh.held.corners)))) ** 2
+    trust = (TRUSTED_WALK * float(np.sqrt(_mean_square(mesh.held.corners)))) ** 2
     first = _farthest_walked(support.held, there, starts, near[triangles[:, 0]], trust)
     hints = np.full(len(support.triangles), -1, dtype=np.int64)
     hints[near[triangles[:, 0]]] = np.arange(len(triangles))

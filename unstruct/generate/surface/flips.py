@@ -7,7 +7,7 @@ import numpy as np
 from ...base.jit import inline, kernel, lean
 from ...connect.insertion.halfedges import UNUSED, next_edge, prev_edge
 from ...connect.surface.halfedges import SMOOTH, can_flip, flip_edge
-from .shapes import FLIPPED, TOO_FAR, add_normal, degree_of, middle_distance, nearest_to, sharpness
+from .shapes import FLIPS_DONE, TOO_FAR, add_normal, degree_of, middle_distance, nearest_to, sharpness
 
 __all__ = ["count_degrees", "flip_if_better", "flip_pass"]
 
@@ -119,7 +119,7 @@ def flip_if_better(work, e, by_degree):
             s.mark[p] + 1,
             s.mark[q] + 1,
         )
-    work.counts[FLIPPED] += 1
+    work.counts[FLIPS_DONE] += 1
     return True
 
 
