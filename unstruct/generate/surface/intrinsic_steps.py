@@ -185,7 +185,7 @@ def _wall_near(sides, queues, t, one, two):
 
 @lean
 def _halve(shape, bounds, queues, h, forced):
-    """Put a vertex in the middle of an edge; its number, ARRAYS_FULL, or SKIPPED for edges that are too short."""
+    """Put a vertex in the middle of an edge; its number, ARRAYS_FULL, or SKIPPED for short edges."""
     sides = shape.sides
     if not forced and sides.under[h] >= 0 and sides.length[h] < 2.0 * bounds.floor:
         return SKIPPED
@@ -204,7 +204,7 @@ def _halve(shape, bounds, queues, h, forced):
 
 @lean
 def _toward_center(shape, bounds, queues, t):
-    """Put a vertex at the circumcenter of a triangle, or on a kept edge; its number, ARRAYS_FULL or SKIPPED."""
+    """Put a vertex at the circumcenter of a triangle, or on a kept edge; its number, or as `_halve`."""
     sides, line = shape.sides, queues.line
     x1, x2, y2 = frame_of(sides, t)
     ca = sides.length[3 * t + 2]
