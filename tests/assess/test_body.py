@@ -112,7 +112,7 @@ def test_vertices_on_needles_are_measured_without_loss(height: float) -> None:
         along = (moved - edge[0]) @ (edge[1] - edge[0]) / ((edge[1] - edge[0]) ** 2).sum()
         beside = np.abs(moved - edge[0] - along[:, None] * (edge[1] - edge[0])).max(axis=1) < 1e-12
         new = np.flatnonzero(beside & (np.asarray(mesh.origin) < 0))
-        moved[new[0]] += 1e-13 * (body.points[0] - body.points[1])
+        moved[new[0]] -= 1e-13 * (body.points[0] - body.points[1])
         mesh.points = moved
         off = [p.vertices for p in check(mesh, domain=body).problems if p.kind == "off the facet"]
         assert off == [(new[0],)]

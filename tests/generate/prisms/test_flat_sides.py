@@ -73,7 +73,7 @@ def test_layers_past_the_vertices_on_edges_between_sides(moved: bool, stop: str)
     ):
         mesh = prismatic_layers(box, 0.2, layers=Layers(first, 1.0, 4), walls=walls, stop=stop)
         assert mesh.complete and check(mesh, domain=box)
-        assert mesh.steps["height"].max() > 0.2
+        assert mesh.steps is not None and mesh.steps["height"].max() > 0.2
 
 
 def turned(body: Domain) -> Domain:
@@ -106,8 +106,8 @@ def test_walls_that_end_where_the_body_is_concave() -> None:
         with pytest.raises(InputError, match="concave"):
             prismatic_layers(ell, 0.4, layers=thin, walls=walls)
         assert check(prismatic_layers(ell, layers=thin, walls=walls, side="inside"))
-    for walls in ([2, 3], 0, 5):
-        assert check(prismatic_layers(ell, 0.4, layers=thin, walls=walls), domain=ell)
+    for some in ([2, 3], 0, 5):
+        assert check(prismatic_layers(ell, 0.4, layers=thin, walls=some), domain=ell)
 
 
 def test_facets_in_the_plane_of_a_side_that_are_another_piece() -> None:
@@ -133,7 +133,7 @@ def test_facets_in_the_plane_of_a_side_that_are_another_piece() -> None:
         for first in (0.05, 0.08, 0.2):
             mesh = prismatic_layers(body, 0.3, layers=Layers(first, 1.0, 4), walls="bottom")
             assert check(mesh, domain=body)
-            assert mesh.steps["height"].min() < 0.3
+            assert mesh.steps is not None and mesh.steps["height"].min() < 0.3
 
 
 CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])

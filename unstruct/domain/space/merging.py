@@ -110,6 +110,13 @@ def in_common_planes(
     found : Simplified
     side : (f,) int64
         For each facet one of those with which it is joined, the same for all.
+
+    Notes
+    -----
+    This makes polygons of the same body: distances decide, up to rounding, and names bound what is joined.
+    Two others search for flat parts by angles at edges: `generate.stuffing.flat_parts` keeps edges of a given
+    angle and refuses what is bent between them, `generate.prisms.planes` finds planes beside walls, where
+    facets may be smaller than the tolerance. Each says why this does not serve it.
     """
     x = outline.points * power_of_two(outline.points)
     within = float(np.abs(x).max(initial=0.0)) * within

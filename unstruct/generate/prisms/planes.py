@@ -9,7 +9,7 @@ from ...base.errors import InputError
 from ...domain.domain import Domain
 from ...domain.space.cutting import at
 from ...geometry.inside_shell import side_mates
-from ...mesh.topology import components
+from ...geometry.support_features import united
 from .flat_sides import number_of
 from .stars import unit_normals
 
@@ -205,13 +205,20 @@ def _in_plane(one: Array, two: Array, normal: Array) -> bool:
 
 
 def _flat_parts(points: Array, rows: Numbers) -> NDArray[np.int64]:
-    """The parts of triangles that hang together and are parallel across each edge."""
+    """One number for triangles that hang together and are parallel across each edge: the least of them.
+
+    What lies in one plane up to rounding is one polygon here already, by `domain.space.flat_parts`. This is
+    about planes as near as rays need, in single precision, say, across all names. The distance from a plane,
+    which decides in `domain.space.merging`, would not do at that tolerance: layers are so thin that facets
+    beside them may be smaller than it, and would count for the plane whatever their direction. Whether a part
+    is plane as a whole is told afterwards, by name.
+    """
     mates = side_mates(rows)
     normals, _ = unit_normals(points, rows)
     side = np.flatnonzero(mates >= 0)
     one, two = normals[side // 3], normals[mates[side] // 3]
     cross = one[:, [1, 2, 0]] * two[:, [2, 0, 1]] - one[:, [2, 0, 1]] * two[:, [1, 2, 0]]
-    neighbors = np.full(3 * len(rows), -1, dtype=np.int32)
-    flat = np.abs(cross).max(axis=1, initial=0.0) < SAME_PLANE
-    neighbors[side[flat]] = mates[side[flat]] // 3
-    return components(neighbors.reshape(-1, 3))[1]
+    flat = side[np.abs(cross).max(axis=1, initial=0.0) < SAME_PLANE]
+    part = np.arange(len(rows))
+    united(flat // 3, mates[flat] // 3, part)
+    return part

@@ -64,7 +64,7 @@ __all__ = [
 ]  # fmt: skip
 
 NO_CELL = 8  # all faces are stuck
-NOT_ROUND_ENOUGH, NO_ROOM = 4, 5  # verdicts, besides those of `cell_fault`
+NOT_ROUND_ENOUGH, POINT_TOO_NEAR = 4, 5  # verdicts, besides those of `cell_fault`
 SHORTEST_FIRST, OLDEST_FIRST = 1, 2  # orders; 0: the smallest wanted length first
 ABOUT_BARYCENTER, ABOUT_X = range(2)
 # Places in the counts; the first four are also the reasons for a choice.
@@ -171,7 +171,7 @@ def fault_of_point(front, row, edge):
     window = (x - least, y - least, z - least, x + least, y + least, z + least)
     for i in range(gather_in_space(front.vertices, window)):
         if apart_by(xyz, np.int64(found[i]), n) < least:
-            return NO_ROOM
+            return POINT_TOO_NEAR
     found, corners, least = front.faces.found, front.corners, OFF_FACES * edge
     window = (x - least, y - least, z - least, x + least, y + least, z + least)
     for i in range(gather_in_space(front.faces, window)):
@@ -183,7 +183,7 @@ def fault_of_point(front, row, edge):
             for k in range(3):
                 corners[j, k] = xyz[v, k]
         if square_from_triangle(xyz[n], corners) < least * least:
-            return NO_ROOM
+            return POINT_TOO_NEAR
     found = front.threads.found
     for i in range(gather_in_space(front.threads, window)):
         for j in range(3):
@@ -191,7 +191,7 @@ def fault_of_point(front, row, edge):
             for k in range(3):
                 corners[j, k] = xyz[v, k]
         if square_from_triangle(xyz[n], corners) < least * least:
-            return NO_ROOM
+            return POINT_TOO_NEAR
     return cell_fault(front)
 
 

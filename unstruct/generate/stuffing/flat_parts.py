@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from ...base.errors import InputError
 from ...domain.domain import Domain
+from ...geometry.inside_shell import side_mates
+from ...geometry.support_features import united
 
 __all__ = ["FLAT_PART", "FlatParts", "flat_parts"]
 
@@ -76,12 +78,16 @@ def flat_parts(domain: Domain, angle: float) -> FlatParts:
     If all parts between sharp edges are flat up to 1e-9 of the extent, they are the result. Otherwise
     triangles so thin that rounding can turn their normals by the angle do not decide: each joins a part
     beside it in whose plane it lies, and then no longer parts those beside it. O(n log n).
+
+    `domain.space.merging.in_common_planes` is no substitute. It asks where planes are, and divides a smooth
+    surface into strips; here the angle says which edges stay, and what is bent between them is refused, with
+    the angle that would keep it. The names of facets do not matter, and what touches itself stays one part.
     """
     shell = domain.triangulated
     x, rows = shell.points, shell.bounding.astype(np.int64)
     extent = float(np.ptp(x[rows].reshape(-1, 3), axis=0).max())
     area = _area_vectors(x[rows])
-    folds = _folds(rows, area / _lengths(area)[:, None], len(x))
+    folds = _folds(rows, area / _lengths(area)[:, None])
     sharp = folds.cosine < np.cos(np.deg2rad(angle))
     part = _joined_over(len(rows), folds.one[~sharp], folds.two[~sharp])
     if (_heights(x[rows], part, _of_first(x[rows], area, part)) > FLAT_PART * extent).any():
@@ -178,34 +184,29 @@ def _lengths(v: Array) -> Array:
     return np.sqrt((v * v).sum(axis=1))
 
 
-def _folds(rows: Integers, normal: Array, n: int) -> _Folds:
-    """The edges of triangles (t, 3) with n vertices."""
-    ends = np.concatenate([rows[:, [1, 2]], rows[:, [2, 0]], rows[:, [0, 1]]])
-    owner = np.tile(np.arange(len(rows)), 3)
-    low, high = ends.min(axis=1), ends.max(axis=1)
-    order = np.lexsort((owner, high, low))
-    keys = low[order] * n + high[order]
-    first = np.flatnonzero(np.append(True, keys[1:] != keys[:-1]))
-    if (np.diff(np.append(first, len(keys))) != 2).any():
+def _folds(rows: Integers, normal: Array) -> _Folds:
+    """The edges of triangles (t, 3)."""
+    mates = side_mates(rows)
+    if (mates < 0).any():
         raise InputError("features needs a surface on which two facets meet at each edge")
-    one, two = owner[order[first]], owner[order[first + 1]]
-    same_way = ends[order[first], 0] == ends[order[first + 1], 0]
+    side = np.flatnonzero(np.arange(len(mates)) < mates)
+    ends, beside = (
+        np.stack([rows[at // 3, (at % 3 + 1) % 3], rows[at // 3, (at % 3 + 2) % 3]], axis=1)
+        for at in (side, mates[side])
+    )
+    same_way = ends[:, 0] == beside[:, 0]
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    order = np.lexsort((high, low))
+    one, two = side // 3, mates[side] // 3
     cosine = (normal[one] * normal[two]).sum(axis=1) * np.where(same_way, -1.0, 1.0)
-    return _Folds(np.stack([low[order[first]], high[order[first]]], axis=1), one, two, cosine)
+    return _Folds(np.stack([low, high], axis=1)[order], one[order], two[order], cosine[order])
 
 
 def _joined_over(count: int, one: Integers, two: Integers) -> Integers:
     """Numbers that are equal for things that are joined, directly or by others."""
-    label = np.arange(count)
-    while True:
-        least = np.minimum(label[one], label[two])
-        new = label.copy()
-        np.minimum.at(new, one, least)
-        np.minimum.at(new, two, least)
-        new = new[new]
-        if np.array_equal(new, label):
-            return np.unique(label, return_inverse=True)[1]
-        label = new
+    parent = np.arange(count)
+    united(one, two, parent)
+    return np.unique(parent, return_inverse=True)[1]
 
 
 def _of_first(p: Array, area: Array, part: Integers) -> _Planes:

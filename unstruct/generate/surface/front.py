@@ -29,7 +29,7 @@ ATTEMPTS = ((1.0, np.inf), (1.0, 0.8), (0.7, 0.5))
 LOWERED_SIZE = "small: the front did not close with the wanted lengths, so they were lowered"
 REMESHED = "remeshed: the front did not close ({}), so the surface was remeshed"
 NOT_CLOSED = "given: the front did not close ({}), so the triangles of the surface were kept"
-NO_ROOM = "given: the budget does not suffice, so the triangles of the surface were kept"
+BUDGET_SHORT = "given: the budget does not suffice, so the triangles of the surface were kept"
 
 
 class MadeFront(NamedTuple):
@@ -115,7 +115,7 @@ def surface_front(
         other = _remeshed(surface, support, field, (sharp, budget), counts, why)
         if other is not None:
             return noticed(other)
-    reason = NO_ROOM if front.full else NOT_CLOSED.format(why)
+    reason = BUDGET_SHORT if front.full else NOT_CLOSED.format(why)
     return noticed(_as_mesh(given, _kept(support), sharp, counts, reason))
 
 

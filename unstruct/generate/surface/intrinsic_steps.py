@@ -23,7 +23,7 @@ __all__ = ["Bounds", "Queues", "halve_sides", "refine_triangles", "worst_triangl
 FAULT_LARGE, FAULT_SHARP, LEFT_ALONE = 1, 2, 0
 BESIDE_EDGE = 1e-6  # circumcenters that are as near to an edge, in units of heights, are put on it
 LONGEST_LOOK = 256  # triangles whose circle holds a circumcenter that are looked at for kept edges
-NO_ROOM, SKIPPED = -1, -2
+ARRAYS_FULL, SKIPPED = -1, -2
 
 
 class Bounds(NamedTuple):
@@ -185,7 +185,7 @@ def _wall_near(sides, queues, t, one, two):
 
 @lean
 def _halve(shape, bounds, queues, h, forced):
-    """Put a vertex in the middle of an edge; its number, NO_ROOM, or SKIPPED for edges that are too short."""
+    """Put a vertex in the middle of an edge; its number, ARRAYS_FULL, or SKIPPED for short edges."""
     sides = shape.sides
     if not forced and sides.under[h] >= 0 and sides.length[h] < 2.0 * bounds.floor:
         return SKIPPED
@@ -195,7 +195,7 @@ def _halve(shape, bounds, queues, h, forced):
     a, b = sides.vertex[h], sides.vertex[next_side(h)]
     p = split_side(shape, h, 0.5)
     if p < 0:
-        return NO_ROOM
+        return ARRAYS_FULL
     bounds.wanted[p] = 0.5 * (bounds.wanted[a] + bounds.wanted[b])
     bounds.sharp[p] = False
     _settle_edges(sides, queues, next_side(h))
@@ -204,7 +204,7 @@ def _halve(shape, bounds, queues, h, forced):
 
 @lean
 def _toward_center(shape, bounds, queues, t):
-    """Put a vertex at the circumcenter of a triangle, or on a kept edge; its number, NO_ROOM or SKIPPED."""
+    """Put a vertex at the circumcenter of a triangle, or on a kept edge; its number, or as `_halve`."""
     sides, line = shape.sides, queues.line
     x1, x2, y2 = frame_of(sides, t)
     ca = sides.length[3 * t + 2]
@@ -218,7 +218,7 @@ def _toward_center(shape, bounds, queues, t):
     ground = Ground(sides, shape.ground.first, shape.ground.around)  # from a face: only its sides are used
     face, crossed = follow(ground, -1 - t, third, angle_of(dy, dx), away, line, True)
     if crossed < 0:
-        return NO_ROOM
+        return ARRAYS_FULL
     ahead = int(line.end[5])
     if line.end[4] > 0.0:
         return _halve(shape, bounds, queues, ahead, _fault(sides, bounds, t)[0] == FAULT_LARGE)
@@ -244,12 +244,12 @@ def _toward_center(shape, bounds, queues, t):
             bounds.wanted[p] = (1.0 - part) * bounds.wanted[a] + part * bounds.wanted[b]
             bounds.sharp[p] = False
             _settle_edges(sides, queues, next_side(h))
-        return p if p >= 0 else NO_ROOM
+        return p if p >= 0 else ARRAYS_FULL
     a, b, c = sides.vertex[3 * face], sides.vertex[3 * face + 1], sides.vertex[3 * face + 2]
     size = zero * bounds.wanted[a] + one * bounds.wanted[b] + two * bounds.wanted[c]
     p = split_triangle(shape, face, one, two)
     if p < 0:
-        return NO_ROOM
+        return ARRAYS_FULL
     bounds.wanted[p] = size
     bounds.sharp[p] = False
     _settle_edges(sides, queues, 3 * face + 2)
@@ -271,7 +271,7 @@ def refine_triangles(shape, bounds, queues, rows, first, tally):
         if _fault(sides, bounds, t)[0] == LEFT_ALONE:
             continue
         p = _toward_center(shape, bounds, queues, t)
-        if p == NO_ROOM:
+        if p == ARRAYS_FULL:
             return i
         if p == SKIPPED:
             tally[1] += 1
@@ -293,7 +293,7 @@ def halve_sides(shape, bounds, queues, rows, first, tally):
         ):
             return i
         p = _halve(shape, bounds, queues, rows[i], True)
-        if p == NO_ROOM:
+        if p == ARRAYS_FULL:
             return i
         if p == SKIPPED:
             tally[1] += 1
