@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from . import bodies, parts
 from .meshers import Mesher, find
 from .planar_report import ratio, speed, times
-from .report import OURS, figures, grid, page, relative
+from .report import OURS, figures, grid, page, relative, short
 from .run import Workers, measured
 from .volume import CELLS, PACE
 from .volume import task as body_of
@@ -33,10 +33,11 @@ PLAN: dict[str, dict[str, tuple[int, ...]]] = {
 WORKS = {"good bodies": "good", "machine parts": "parts", "graded bodies": "graded"}  # as `volume` has them
 PLACED = ("new point", "small enough", "empty sphere", "near apex", "angle", "closed")
 AT_LAST = ("circumcenter", "forced")
+COMPARED = ("tetrahedralize", "Gmsh frontal", "Netgen")
 SLOWEST = 3e5  # cells that those who make a few thousand in a second are asked for
 Result = tuple[NDArray, NDArray, dict[str, int]]
 
-__all__ = ["MESHERS", "PLAN", "markdown", "measures", "plot", "run", "task", "warm_up"]
+__all__ = ["MESHERS", "PLAN", "markdown", "measures", "plot", "run", "summary", "task", "warm_up"]
 
 
 def _ours(method: str, **options: Any) -> Callable[[], Callable[[Given], Result]]:
@@ -137,6 +138,29 @@ def table(rows: list[dict[str, Any]], work: str) -> str:
                 "" if peer == OURS else relative(ratio(case, peer)), share, f"{row['min_dihedral']:.1f}°",
                 f"{100 * row['sharp']:.3f} %", f"{row['mean_3r_R']:.3f}", "yes" if row["valid"] else "no",
             ])  # fmt: skip
+    return grid(head, 2, lines)
+
+
+def summary(rows: list[dict[str, Any]]) -> str:
+    """A line for each case: our cells per second by those of others, and how good the cells are."""
+    lines = []
+    for (_, kind, n), case in times(rows).items():
+        if OURS in case:
+            peers = [f"{peer} {relative(ratio(case, peer))}" for peer in COMPARED if peer in case]
+            ours = case[OURS]
+            lines.append([
+                kind, short(n), ", ".join(peers) or "–", figures(speed(ours) / 1e3),
+                f"{100 * ours['by_front']:.1f} %", f"{ours['min_dihedral']:.1f}°", f"{ours['mean_3r_R']:.3f}",
+            ])  # fmt: skip
+    head = [
+        "body",
+        "n",
+        "compared with others",
+        "1000 cells/s",
+        "by the front",
+        "least dihedral",
+        "mean 3r/R",
+    ]
     return grid(head, 2, lines)
 
 

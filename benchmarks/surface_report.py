@@ -6,10 +6,11 @@ from collections.abc import Callable
 from typing import Any
 
 from .planar_report import ratio, speed, times
-from .report import OURS, figures, grid, page, relative
+from .report import OURS, figures, grid, page, relative, short
 
 Row = dict[str, Any]
-__all__ = ["TABLES", "markdown", "plot", "remeshing"]
+PEERS = ("pymeshlab", "libigl")
+__all__ = ["TABLES", "intrinsic", "markdown", "plot", "remeshing", "summary"]
 
 
 def remeshing(rows: list[Row]) -> str:
@@ -30,9 +31,42 @@ def remeshing(rows: list[Row]) -> str:
     return grid(head, 1, lines)
 
 
+def intrinsic(rows: list[Row]) -> str:
+    """A line for each mesh and size; **bold** if libigl is faster."""
+    head = ["surface", "triangles", "flips", "seconds", "of them flips", "million flips/s"]
+    head += ["libigl, seconds", f"{OURS} ÷ it"]
+    lines = []
+    for (name, kind, _), case in times(rows).items():
+        if name != "intrinsic" or OURS not in case:
+            continue
+        row, peer = case[OURS], case.get("libigl")
+        lines.append([
+            kind, str(row["cells"]), str(row["flips"]), figures(row["seconds"]),
+            figures(row["flip_seconds"]), figures(row["flips"] / max(row["flip_seconds"], 1e-9) / 1e6),
+            "–" if peer is None else figures(peer["seconds"]),
+            "–" if peer is None else relative(ratio(case, "libigl")),
+        ])  # fmt: skip
+    return grid(head, 1, lines)
+
+
+def summary(rows: list[Row]) -> str:
+    """A line for each case: our triangles per second by those of the peers, and the least angle."""
+    lines = []
+    for (name, kind, n), case in times(rows).items():
+        if OURS not in case:
+            continue
+        peers = [f"{peer} {relative(ratio(case, peer))}" for peer in PEERS if peer in case]
+        ours = case[OURS]
+        angle = f"{ours['min_angle']:.1f}°" if "min_angle" in ours else "–"
+        lines.append([name, kind, short(n), ", ".join(peers) or "–", figures(speed(ours) / 1e3), angle])
+    head = ["work", "surface", "n", "compared with others", "1000 triangles/s", "least angle"]
+    return grid(head, 3, lines)
+
+
 # work -> its title and its table
 TABLES: dict[str, tuple[str, Callable[[list[Row]], str]]] = {
     "remeshing": ("Surfaces remeshed to a size", remeshing),
+    "intrinsic": ("Intrinsic Delaunay flips", intrinsic),
 }
 
 
