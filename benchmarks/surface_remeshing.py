@@ -32,8 +32,8 @@ AREAS = {"sphere": 12.566, "torus": 15.791, "implicit body": 20.0, "plate with h
 PLAN: dict[str, dict[str, tuple[int, ...]]] = {
     "remeshing": {
         "sphere": (10_000,),
-        "torus": (10_000,),
-        "implicit body": (10_000, 100_000),
+        "torus": (10_000, 100_000),
+        "implicit body": (10_000,),
         "plate with holes": (10_000, 100_000),
     }
 }

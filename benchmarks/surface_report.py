@@ -14,21 +14,25 @@ __all__ = ["TABLES", "intrinsic", "markdown", "plot", "remeshing", "summary"]
 
 
 def remeshing(rows: list[Row]) -> str:
-    """A line for each surface and contestant; **bold** if a peer makes more triangles per second."""
+    """A line for each surface and contestant, in two tables; **bold** if a peer is faster."""
     head = ["surface", "given triangles", "by", "triangles", "seconds", "1000 triangles/s", f"{OURS} ÷ it"]
-    head += ["least angle", "0.1 % below", "deviation ÷ size", "corner off ÷ size", "closed", "crossings"]
-    lines = []
-    for (name, kind, _), case in times(rows).items():
+    other = ["surface", "by", "least angle", "0.1 % below", "deviation ÷ size", "corner off ÷ size"]
+    other += ["closed", "pairs that meet"]
+    speeds, shapes = [], []
+    for (name, kind, n), case in times(rows).items():
         if name != "remeshing" or OURS not in case:
             continue
         for peer, row in case.items():
-            lines.append([
+            speeds.append([
                 kind, str(row["given"]), peer, str(row["cells"]), figures(row["seconds"]),
                 figures(speed(row) / 1e3), "" if peer == OURS else relative(ratio(case, peer)),
-                f"{row['min_angle']:.1f}°", f"{row['percentile']:.1f}°", f"{row['deviation']:.4f}",
-                f"{row['corners']:.2g}", "yes" if row["closed"] else "no", str(row["crossings"]),
             ])  # fmt: skip
-    return grid(head, 1, lines)
+            shapes.append([
+                f"{kind}, {short(n)}", peer, f"{row['min_angle']:.1f}°", f"{row['percentile']:.1f}°",
+                f"{row['deviation']:.4f}", f"{row['corners']:.2g}", "yes" if row["closed"] else "no",
+                str(row["crossings"]),
+            ])  # fmt: skip
+    return grid(head, 1, speeds) + "\n\n" + grid(other, 2, shapes)
 
 
 def intrinsic(rows: list[Row]) -> str:
