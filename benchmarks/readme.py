@@ -6,7 +6,7 @@ import json
 import re
 from pathlib import Path
 
-from . import planar_report, prisms_report, report, tree_report, volume_report
+from . import planar_report, prisms_report, report, space_front, surface_report, tree_report, volume_report
 
 README = Path(__file__).parent.parent / "README.md"
 RESULTS = Path(__file__).parent / "results"
@@ -17,6 +17,27 @@ def _committed(suite: str) -> tuple[list[report.Row], str]:
     """The committed rows of a suite, and how they were measured."""
     result = json.loads((RESULTS / f"{suite}.json").read_text(encoding="utf-8"))
     return result["rows"], f"Measured on {result['machine']}; one core, contestants interleaved, medians."
+
+
+PAGE_OF_SURFACES = "[page of benchmarks of surfaces](book/benchmarks-surface.ipynb)"
+
+
+def _on_surfaces() -> list[str]:
+    if not (RESULTS / "surface.json").exists():
+        return []
+    rows, how = _committed("surface")
+    text = "Triangles on surfaces in space, by remeshing to a size and by intrinsic flips: triangles per"
+    text += f" second by those of others (seconds, distances and angles on the {PAGE_OF_SURFACES}). {how}"
+    return [text, surface_report.summary(rows)]
+
+
+def _front_in_space() -> list[str]:
+    if not (RESULTS / "space_front.json").exists():
+        return []
+    rows, how = _committed("space_front")
+    text = "The advancing front in space, on closed surfaces that are kept: cells per second by those"
+    text += f" of others that march, and by our own `tetrahedralize` (more on the {PAGE_OF_SURFACES}). {how}"
+    return [text, space_front.summary(rows)]
 
 
 def speed() -> str:
@@ -40,6 +61,7 @@ def speed() -> str:
         parts += ["the `Domain` included, by those of others (body by body, and in seconds, on the"]
         parts += [f"[page of volume benchmarks](book/benchmarks-volume.ipynb)). {how}"]
         sections += [" ".join(parts), volume_report.summary(volume)]
+    sections += _on_surfaces() + _front_in_space()
     if (RESULTS / "tree.json").exists():
         trees, how = _committed("tree")
         parts = [

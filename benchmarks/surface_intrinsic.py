@@ -1,8 +1,8 @@
-"""Intrinsic Delaunay flips on bad meshes, beside libigl: `python -m benchmarks.surface_intrinsic`.
+"""The work ``intrinsic`` of the suite ``surface``: intrinsic Delaunay flips on bad meshes, beside libigl.
 
-Each row is the least processor time of several runs, which alternate between the two in one process. libigl's
-`intrinsic_delaunay_triangulation` gets its lengths and triangles; ours gets points and triangles, checks them
-for flat ones, and keeps directions as well, so that edges can be drawn.
+libigl's `intrinsic_delaunay_triangulation` gets lengths and triangles, and gives the same; its time has the
+finding of the lengths in it. Ours gets points and triangles, checks them for flat ones, and keeps directions
+as well, so that edges can be drawn; the seconds of the flips alone are in a column of their own.
 """
 
 from __future__ import annotations
@@ -14,13 +14,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import unstruct
-from unstruct.studies import IntrinsicTriangulation
+from .meshers import Mesher, several
 
-__all__ = ["MESHES", "rows"]
+__all__ = [
+    "MADE",
+    "MESHERS",
+    "PLAN",
+    "Surface",
+    "measures",
+    "needles",
+    "sheared",
+    "squashed",
+    "task",
+    "warm_up",
+]
 
-SIZES = (10_000, 100_000, 1_000_000)
-RUNS = 3
 Surface = tuple[NDArray[np.float64], NDArray[np.int32]]
 
 
@@ -69,71 +77,55 @@ def sheared(count: int) -> Surface:
     return _turned(n, n, place)
 
 
-MESHES: dict[str, Callable[[int], Surface]] = {
+MADE: dict[str, Callable[[int], Surface]] = {
     "squashed ellipsoid": squashed,
     "needles of a cylinder": needles,
     "sheared torus": sheared,
 }
+PLAN: dict[str, dict[str, tuple[int, ...]]] = {
+    "intrinsic": dict.fromkeys(MADE, (10_000, 100_000)) | {"sheared torus": (10_000, 100_000, 1_000_000)}
+}
 
 
-def _ours(points: NDArray, triangles: NDArray) -> tuple[float, float, int]:
-    """Processor time of all and of the flips alone, and how many flips."""
-    mesh = unstruct.Mesh(points, triangles)
-    start = time.process_time()
-    found = IntrinsicTriangulation(mesh)
-    middle = time.process_time()
+def task(work: str, kind: str, n: int) -> Surface:
+    """A bad mesh of about n triangles."""
+    return MADE[kind](n)
+
+
+def warm_up(work: str) -> Surface:
+    """A small one."""
+    return squashed(200)
+
+
+def _ours(given: Surface) -> Any:
+    from unstruct import Mesh
+    from unstruct.studies import IntrinsicTriangulation
+
+    found = IntrinsicTriangulation(Mesh(*given))
+    begin = time.process_time()
     flips = found.delaunay()
-    end = time.process_time()
-    assert len(found.illegal()) == 0
-    return end - start, end - middle, flips
+    return flips, time.process_time() - begin, found
 
 
-def _theirs(points: NDArray, triangles: NDArray) -> float | None:
-    """Processor time of libigl, None where it is not installed."""
-    try:
-        import igl
-    except ImportError:
-        return None
+def _libigl(given: Surface) -> Any:
+    import igl
+
+    points, triangles = given
     faces = triangles.astype(np.int64)
-    start = time.process_time()
-    igl.intrinsic_delaunay_triangulation(igl.edge_lengths(points, faces), faces)
-    return time.process_time() - start
+    lengths = igl.edge_lengths(points, faces)
+    igl.intrinsic_delaunay_triangulation(lengths, faces)
+    return 0, 0.0, None
 
 
-def rows(sizes: tuple[int, ...] = SIZES, runs: int = RUNS) -> list[dict[str, Any]]:
-    """One row for each mesh and size: triangles, flips, seconds, those of libigl, and their ratio."""
-    found = []
-    for name, make in MESHES.items():
-        for count in sizes:
-            points, triangles = make(count)
-            mine, alone, theirs, flips = [], [], [], 0
-            _ours(*make(200))
-            for _ in range(runs):
-                whole, part, flips = _ours(points, triangles)
-                mine.append(whole)
-                alone.append(part)
-                peer = _theirs(points, triangles)
-                theirs += [] if peer is None else [peer]
-            row = {
-                "mesh": name, "triangles": len(triangles), "flips": flips, "seconds": min(mine),
-                "flips a second": flips / max(min(alone), 1e-9),
-                "libigl": min(theirs) if theirs else None,
-            }  # fmt: skip
-            row["ratio"] = row["libigl"] / row["seconds"] if theirs else None
-            found.append(row)
-    return found
+MESHERS = [
+    Mesher("unstruct", "unstruct", "intrinsic", several(_ours)),
+    Mesher("libigl", "libigl", "intrinsic", several(_libigl)),
+]
 
 
-def main() -> None:
-    """Print the rows."""
-    for row in rows():
-        peer = "" if row["libigl"] is None else f"  libigl {row['libigl']:8.3f} s  ratio {row['ratio']:.2f}"
-        print(
-            f"{row['mesh']:24}{row['triangles']:>9} triangles {row['flips']:>9} flips "
-            f"{row['seconds']:8.3f} s {row['flips a second']:10.0f} flips/s{peer}",
-            flush=True,
-        )
-
-
-if __name__ == "__main__":
-    main()
+def measures(flips: int, seconds: float, found: Any, work: str, given: Surface) -> dict[str, Any]:
+    """How many triangles; of our result also the flips, their share of the time, and edges left that fail."""
+    result: dict[str, Any] = {"cells": len(given[1])}
+    if found is not None:
+        result |= {"flips": flips, "flip_seconds": seconds, "illegal": len(found.illegal())}
+    return result

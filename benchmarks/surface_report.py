@@ -6,33 +6,71 @@ from collections.abc import Callable
 from typing import Any
 
 from .planar_report import ratio, speed, times
-from .report import OURS, figures, grid, page, relative
+from .report import OURS, figures, grid, page, relative, short
 
 Row = dict[str, Any]
-__all__ = ["TABLES", "markdown", "plot", "remeshing"]
+PEERS = ("pymeshlab", "libigl")
+__all__ = ["TABLES", "intrinsic", "markdown", "plot", "remeshing", "summary"]
 
 
 def remeshing(rows: list[Row]) -> str:
-    """A line for each surface and contestant; **bold** if a peer makes more triangles per second."""
+    """A line for each surface and contestant, in two tables; **bold** if a peer is faster."""
     head = ["surface", "given triangles", "by", "triangles", "seconds", "1000 triangles/s", f"{OURS} ÷ it"]
-    head += ["least angle", "0.1 % below", "deviation ÷ size", "corner off ÷ size", "closed", "crossings"]
-    lines = []
-    for (name, kind, _), case in times(rows).items():
+    other = ["surface", "by", "least angle", "0.1 % below", "deviation ÷ size", "corner off ÷ size"]
+    other += ["closed", "pairs that meet"]
+    speeds, shapes = [], []
+    for (name, kind, n), case in times(rows).items():
         if name != "remeshing" or OURS not in case:
             continue
         for peer, row in case.items():
-            lines.append([
+            speeds.append([
                 kind, str(row["given"]), peer, str(row["cells"]), figures(row["seconds"]),
                 figures(speed(row) / 1e3), "" if peer == OURS else relative(ratio(case, peer)),
-                f"{row['min_angle']:.1f}°", f"{row['percentile']:.1f}°", f"{row['deviation']:.4f}",
-                f"{row['corners']:.2g}", "yes" if row["closed"] else "no", str(row["crossings"]),
             ])  # fmt: skip
+            shapes.append([
+                f"{kind}, {short(n)}", peer, f"{row['min_angle']:.1f}°", f"{row['percentile']:.1f}°",
+                f"{row['deviation']:.4f}", f"{row['corners']:.2g}", "yes" if row["closed"] else "no",
+                str(row["crossings"]),
+            ])  # fmt: skip
+    return grid(head, 1, speeds) + "\n\n" + grid(other, 2, shapes)
+
+
+def intrinsic(rows: list[Row]) -> str:
+    """A line for each mesh and size; **bold** if libigl is faster."""
+    head = ["surface", "triangles", "flips", "seconds", "of them flips", "million flips/s"]
+    head += ["libigl, seconds", f"{OURS} ÷ it"]
+    lines = []
+    for (name, kind, _), case in times(rows).items():
+        if name != "intrinsic" or OURS not in case:
+            continue
+        row, peer = case[OURS], case.get("libigl")
+        lines.append([
+            kind, str(row["cells"]), str(row["flips"]), figures(row["seconds"]),
+            figures(row["flip_seconds"]), figures(row["flips"] / max(row["flip_seconds"], 1e-9) / 1e6),
+            "–" if peer is None else figures(peer["seconds"]),
+            "–" if peer is None else relative(ratio(case, "libigl")),
+        ])  # fmt: skip
     return grid(head, 1, lines)
+
+
+def summary(rows: list[Row]) -> str:
+    """A line for each case: our triangles per second by those of the peers, and the least angle."""
+    lines = []
+    for (name, kind, n), case in times(rows).items():
+        if OURS not in case:
+            continue
+        peers = [f"{peer} {relative(ratio(case, peer))}" for peer in PEERS if peer in case]
+        ours = case[OURS]
+        angle = f"{ours['min_angle']:.1f}°" if "min_angle" in ours else "–"
+        lines.append([name, kind, short(n), ", ".join(peers) or "–", figures(speed(ours) / 1e3), angle])
+    head = ["work", "surface", "n", "compared with others", "1000 triangles/s", "least angle"]
+    return grid(head, 3, lines)
 
 
 # work -> its title and its table
 TABLES: dict[str, tuple[str, Callable[[list[Row]], str]]] = {
     "remeshing": ("Surfaces remeshed to a size", remeshing),
+    "intrinsic": ("Intrinsic Delaunay flips", intrinsic),
 }
 
 

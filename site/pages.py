@@ -31,6 +31,7 @@ BACK = [
     "benchmarks-volume",
     "benchmarks-tree",
     "benchmarks-prisms",
+    "benchmarks-surface",
     "ledger",
     "errata",
     "reference",
