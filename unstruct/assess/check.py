@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..base.arguments import as_flag
+from ..base.arguments import as_flag, positive
 from ..base.arrays import distinct
 from ..base.errors import InputError
 from ..base.report import Problem, Report, problem
@@ -17,16 +17,16 @@ from ..mesh.cells import cell_rows
 from ..mesh.domain_mesh import DomainMesh
 from ..mesh.embedding import RidgeFans, crossing_facets
 from ..mesh.manifold import bad_vertex_links, crowded_facets, incoherent_facets, pinched_faces
-from ..mesh.marked import marked_facets
 from ..mesh.mesh import Mesh
 from ..mesh.split import simplices_of_cells
-from ..predicates.batch import SIGNS_AT_ONCE, in_sphere, orient_rows
-from ..predicates.power import power_signs
+from ..predicates.batch import orient_rows
 from .body import check_body
 from .brute import check_brute
 from .mixed import array_faults, check_mixed, rows_as_triangles
 from .pinches import pinch_points
 from .region import check_domain
+from .spheres import check_spheres
+from .surface import check_surface
 
 __all__ = ["Problem", "Report", "check"]
 
@@ -34,17 +34,24 @@ BRUTE_LIMIT = 100_000  # points times cells, up to which the brute-force tests r
 
 
 def check(
-    mesh: Mesh, *, domain: Domain | None = None, delaunay: bool | str = False, brute: bool | None = None
+    mesh: Mesh,
+    *,
+    domain: Domain | Mesh | None = None,
+    delaunay: bool | str = False,
+    brute: bool | None = None,
+    deviation: float | None = None,
+    sharp: float | None = None,
 ) -> Report:
     """Examine a mesh.
 
     Parameters
     ----------
     mesh : Mesh
-    domain : Domain, optional
+    domain : Domain or Mesh, optional
         What the mesh claims to fill: every piece must be a chain of edges marked "facets" or "inner" on the
         true curve, the mesh must end at the facets exactly, and vertices, names and regions must agree. In
         space each face of the boundary must lie on a facet; for a mesh from a file its place says on which.
+        For triangles in space a surface: the facets of a body in space, or a mesh of triangles.
     delaunay : bool or "constrained", optional
         True: the mesh claims to be a Delaunay triangulation of (the hull of) its points; with weights, their
         regular triangulation. "constrained": of a constrained one; facets named by the mesh's markers are
@@ -52,6 +59,13 @@ def check(
     brute : bool, optional
         Whether to add tests of all points against all cells, which share no theorem with the fast ones.
         By default only for small meshes (points times cells up to 100 000).
+    deviation : float, optional
+        For triangles in space: how far the mesh and the surface may be from each other. Vertices may then be
+        off the surface, too; without it they lie on it up to rounding, and the deviation must not exceed
+        ``mesh.figures["deviation"]``, if the mesh has that.
+    sharp : float, optional
+        For triangles in space: the surface has creases, which must be edges of the mesh, where it turns by
+        more degrees. By default ``mesh.figures["sharp"]``, or else 40; 180 for none.
 
     Returns
     -------
@@ -69,6 +83,12 @@ def check(
     with the local tests makes the mesh tile the convex hull. Otherwise the boundary must not meet itself
     (d <= 3), and no boundary vertex may lie in a cell of which it is not a corner.
 
+    For triangles in space and a surface: curves and corners of the surface are chains of edges and vertices;
+    as many triangles meet there, in the same directions, as on the surface, and two at all other edges; the
+    components of both and their Euler characteristics agree; no two triangles meet but in common vertices
+    and edges (exact); all cells face as the surface does; the distances of each from the other, measured at
+    samples; names.
+
     The Delaunay test looks at each interior facet only: by Delaunay's theorem (1934; Shewchuk, *General-
     dimensional constrained Delaunay and constrained regular triangulations*, 2008) locally empty spheres
     in a triangulation of a convex region, or up to opaque facets, are empty. O(m log m) in total; a million
@@ -81,11 +101,18 @@ def check(
     brute = None if brute is None else as_flag(brute, "brute")
     if not isinstance(mesh, Mesh):
         raise InputError(f"mesh must be a Mesh, not {type(mesh).__name__}")
-    domain = domain if domain is None else as_domain(domain, None)
+    surface = _on_a_surface(mesh, domain, deviation, sharp)
     report = Report(repr(mesh))
     if not _arrays(mesh, report):
         return report
     _vertices(mesh, report)
+    if surface:
+        check_surface(mesh, domain, report, deviation, sharp)
+        report.skipped += (
+            ["the Delaunay property, which needs cells that fill their space"] if delaunay else []
+        )
+        return report
+    domain = domain if domain is None else as_domain(domain, None)
     pinches = np.empty(0, dtype=np.int64) if domain is None else pinch_points(mesh, domain)
     if not mesh.is_simplicial:
         report.skipped += ["the Delaunay property, which needs simplices"] if delaunay else []
@@ -112,12 +139,25 @@ def check(
     elif locally_valid:
         _overlap(mesh, report, everything=brute)
     if delaunay:
-        _spheres(mesh, report, opaque=delaunay == "constrained")
+        check_spheres(mesh, report, opaque=delaunay == "constrained")
     if brute and delaunay is True:
         check_brute(mesh, report)
     if domain is not None:
         (check_domain if domain.dimension == 2 else check_body)(mesh, domain, report)
     return report
+
+
+def _on_a_surface(mesh: Mesh, domain: object, deviation: float | None, sharp: float | None) -> bool:
+    """Whether the mesh is to be compared with a surface; wrong arguments raise an error."""
+    surface = domain is not None and mesh.points.shape[1] == 3 and list(mesh.cells) == ["triangle"]
+    for name, value in (("deviation", deviation), ("sharp", sharp)):
+        if value is not None:
+            positive(value, name)
+            if not surface:
+                raise InputError(f"{name} is for meshes of triangles in space with a surface as domain")
+    if sharp is not None and sharp > 180.0:
+        raise InputError(f"sharp must be an angle up to 180 degrees, not {sharp!r}")
+    return surface
 
 
 # ---------------------------------------------------------------------- arrays and adjacency
@@ -344,51 +384,3 @@ def _as_simplices(mesh: Mesh, rows: np.ndarray, owner: np.ndarray) -> DomainMesh
         regions=mesh.regions,
         **known,
     )
-
-
-# ---------------------------------------------------------------------- spheres
-
-
-def _spheres(mesh: Mesh, report: Report, *, opaque: bool) -> None:
-    simplices, neighbors = mesh.simplices, mesh.neighbors
-    cells, corner = np.nonzero(neighbors > np.arange(mesh.size)[:, None])
-    others = neighbors[cells, corner]
-    name = "locally Delaunay across every facet (exact)"
-    if opaque:
-        name = "locally Delaunay across every facet that is not marked (exact)"
-        closed = _marked(mesh, topology.oriented_facet(simplices, cells, corner))
-        cells, corner, others = cells[~closed], corner[~closed], others[~closed]
-    # The vertex across is that of the other cell which is not on the facet. Sums find it without a search.
-    across = simplices[others].sum(axis=1) - simplices[cells].sum(axis=1) + simplices[cells, corner]
-    inside = np.empty(len(cells), dtype=bool)
-    for i in range(0, len(cells), SIGNS_AT_ONCE):
-        part = slice(i, i + SIGNS_AT_ONCE)
-        if mesh.weights is None:
-            inside[part] = in_sphere(mesh.points[simplices[cells[part]]], mesh.points[across[part]]) > 0
-        else:
-            inside[part] = power_signs(mesh.points, mesh.weights, simplices[cells[part]], across[part]) > 0
-    text = "spheres of cells that contain the vertex across a facet"
-    report.note(name, problem("not Delaunay", text, cells[inside], across[inside]))
-    if mesh.weights is not None:
-        _hidden(mesh, report)
-
-
-def _hidden(mesh: Mesh, report: Report) -> None:
-    """Whether each hidden point lies, lifted, on or above the cell below which it would have to be."""
-    assert mesh.weights is not None
-    cells = np.asarray(mesh.find_simplex(mesh.points[mesh.hidden]))
-    lost = mesh.hidden[cells < 0]
-    vertices, cells = mesh.hidden[cells >= 0], cells[cells >= 0]
-    low = power_signs(mesh.points, mesh.weights, mesh.simplices[cells], vertices) > 0
-    report.note(
-        "hidden points have no power cell (exact)",
-        problem("hidden vertex", "its power cell is not empty", cells[low], vertices[low]),
-        problem("hidden vertex", "it lies outside of the mesh", vertices=lost),
-    )
-
-
-def _marked(mesh: Mesh, facets: np.ndarray) -> np.ndarray:
-    d = mesh.dimension
-    named = [rows for rows in mesh.markers.values() if rows.ndim == 2 and rows.shape[1] == d]
-    rows = np.concatenate([np.empty((0, d), dtype=np.int32), *named])
-    return marked_facets(facets, rows, len(mesh.points))

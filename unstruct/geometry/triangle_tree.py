@@ -14,6 +14,7 @@ from .segment_tree import to_box
 __all__ = ["TriangleTree", "onto"]
 
 Array = NDArray[np.float64]
+THIN = 1e-4  # the squared sine of an angle of half a degree
 DEEPEST_SEARCH = 128  # nodes that wait; a tree of boxes is never half as deep
 
 
@@ -49,7 +50,20 @@ def onto(p, corner, place):
             place[1], place[2] = one / square, two / square
             place[0] = 1.0 - place[1] - place[2]
             height = wx * nx + wy * ny + wz * nz
-            return height * height / square
+            thin = THIN * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
+            if square > thin:
+                return height * height / square
+            inner = 0.0  # the weights in a thin triangle are rounded badly: a place on a side may be better
+            for m in range(3):
+                away = p[m] - place[0] * corner[0, m] - place[1] * corner[1, m] - place[2] * corner[2, m]
+                inner += away * away
+            keep_1, keep_2 = place[1], place[2]
+            for i in range(3):
+                away = _onto_edge(p, corner, i, (i + 1) % 3, place)
+                if away <= inner:
+                    return away
+            place[0], place[1], place[2] = 1.0 - keep_1 - keep_2, keep_1, keep_2
+            return inner
     k = 0
     best = _onto_edge(p, corner, 0, 1, place)
     for i in range(1, 3):

@@ -11,7 +11,8 @@ from regions import KINDS, random_region
 from segments import bare, cells_of, coastline, noncrossing, square
 
 from unstruct import DegenerateInputError, InputError, MeshError, check, constrained_delaunay, delaunay
-from unstruct.assess.check import Report, _spheres
+from unstruct.assess.check import Report
+from unstruct.assess.spheres import check_spheres
 from unstruct.connect.planar import inserting
 from unstruct.connect.planar import segments as kernels
 from unstruct.connect.planar.flood import mark_regions
@@ -413,7 +414,7 @@ def test_rows_along_a_segment_are_not_quadratic(make):
     # the general overlap test would be quadratic on fans of a hundred thousand needles
     assert boundary_is_convex(mesh), "the triangles tile the hull"
     report = Report("")
-    _spheres(mesh, report, opaque=True)
+    check_spheres(mesh, report, opaque=True)
     assert report, str(report)
 
 

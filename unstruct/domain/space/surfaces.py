@@ -13,6 +13,7 @@ from ...base.errors import InputError
 from ...geometry.outline import Outline
 from ...geometry.polygons import Polygons
 from ...mesh.complex import CellComplex
+from ...mesh.marked import marked_facets
 from ...mesh.naming import names_by_number
 from ..arguments import RESERVED, composed
 from ..plane.account import Repair
@@ -163,6 +164,9 @@ def _markers(mesh: CellComplex) -> dict[str, np.ndarray]:
     found: dict[str, np.ndarray] = {}
     for name, values in mesh.markers.items():
         if values.ndim != 1:
+            if values.shape[1] == 3 and list(mesh.cells) == ["triangle"]:  # triangles by their vertices
+                rows = marked_facets(mesh.simplices, values, len(mesh.points))
+                found[free_name(name)] = np.flatnonzero(rows)
             continue
         if values.dtype == bool:
             found[free_name(name)] = np.flatnonzero(values)

@@ -1,0 +1,249 @@
+"""Remeshing of a given surface to a size (12.2.7)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.arguments import DEFAULT_BUDGET, as_count, as_flag, positive
+from ...base.errors import InputError
+from ...base.progress import progress_bar
+from ...connect.surface.complex import SurfaceComplex, Taken
+from ...domain.domain import Domain
+from ...domain.given_surface import USUAL_SHARP, GivenSurface, given_surface
+from ...geometry.edge_vectors import lengths
+from ...geometry.support_features import same_points
+from ...mesh.domain_mesh import DomainMesh, noticed
+from ...mesh.mesh import Mesh
+from ...sizing.asked import MISSED_SIZE, MUCH_LONGER
+from ...sizing.field import SizeField, as_size
+from .cleaning import Cleaned, cleaned
+from .distances import curve_deviation, surface_deviation
+from .measuring import FAR, FLAT, INVERTED
+from .run import ALLOWED, ROUNDS, RemeshRun
+from .seams import divide_seams
+from .shapes import COLLAPSES, FLIPPED, MOVES, SPLITS, TOO_FAR, TURNED
+from .true_surface import moved_onto, nearest_by
+
+__all__ = ["remesh"]
+
+REASONS = {
+    FAR: "farther from the given surface than allowed: give a smaller size there, or a larger deviation",
+    INVERTED: "turned against the given surface",
+    FLAT: "flat",
+}
+CROSSES = "crosses another triangle: give a smaller size there"
+NO_BUDGET = "larger than the size: the budget of vertices is used up"
+
+
+def remesh(
+    surface: Any,
+    size: Any,
+    *,
+    sharp: float | None = USUAL_SHARP,
+    deviation: float | None = None,
+    onto: Any = None,
+    budget: int | None = None,
+    progress: bool = False,
+) -> DomainMesh:
+    """Triangles of a wanted size on a given surface, however bad its own triangles are.
+
+    Parameters
+    ----------
+    surface : Domain or Mesh
+        A body in space, whose facets are meant, or a mesh of triangles in space: closed or open, of any
+        topology. Its triangles may be needles or flat, points may be equal, more than two triangles may meet
+        in an edge.
+    size : number, function (k, 3) -> (k,), or SizeField
+        The wanted length of edges.
+    sharp : float, optional
+        Edges at which the surface turns by more degrees are kept; None for none. Kept are also boundaries,
+        edges between triangles with different names, named edges, and edges in which more than two triangles
+        meet. Their points stay on them.
+    deviation : float, optional
+        How far the new triangles may be from the given ones. By default a hundredth of the size, and as much
+        more as the given triangles are off a smooth surface themselves, where they are coarse: altogether at
+        most 0.15 of the size. Where the surface is too curved for the size, the size is lowered, to no less
+        than an eighth.
+    onto : function (k, 3) -> (k, 3), optional
+        The nearest points of the true surface, which the given triangles approximate: they are divided and
+        moved onto it first, points of features, too.
+    budget : int, optional
+        The largest number of vertices, by default ten million.
+    progress : bool
+        Show a progress bar.
+
+    Returns
+    -------
+    DomainMesh
+        Triangles in space, turned as the given ones (those of a body outward). ``origin`` has the number of
+        the given point for vertices that are in its place: corners of features are, always. ``markers`` are
+        carried on. Triangles that are too far from the given surface, turned against it, flat, or that cross
+        others or miss the size are in ``unrefined``, with ``reasons``. ``counts``: "splits", "collapses",
+        "flips", "moves", how many changes were "refused: too far" and "refused: turned over", "lowered" (the
+        vertices where the size had to be lowered), "feature edges", and what was wrong with the given
+        triangles ("equal points", "degenerate triangles", "repeated triangles", "turned triangles", "seams":
+        edges of more than two triangles). ``figures``: "deviation" (of all distances, both ways, the
+        largest), "feature deviation", "least angle" in degrees, "least size" (the smallest part of the
+        wanted size to which it was lowered), and "sharp" as given, 0 for None.
+
+    Raises
+    ------
+    InputError
+        For anything but a surface and a size, and if all triangles are degenerate.
+
+    Notes
+    -----
+    Rounds of splits (edges longer than 4/3 of the size, the longest of both their triangles), collapses
+    (shorter than 4/5), flips toward six edges at each vertex, moves to the mean of the star, along the
+    surface, and flips toward less sharp triangles; the sharpest are then improved one by one, up to 40
+    degrees where possible. No operation turns a triangle over or changes the topology: each keeps the link
+    condition. A collapse or flip that would leave the surface too far is refused. In the end triangles that
+    are too far are split, and an exact test finds those that cross others, where the size is halved. Names of
+    triangles do not move. Edges of more than two triangles are divided first and then fixed.
+
+    Distances are measured at samples: they are lower bounds. O(n) in practice for n triangles, given and new.
+    Sources: M. Botsch, L. Kobbelt, *A remeshing approach to multiresolution modeling* (SGP 2004); H. Hoppe et
+    al., *Mesh optimization* (1993); T. K. Dey et al., *Topology preserving edge contraction* (1999), for the
+    link condition. Book: 2.7.
+    """
+    field = as_size(size)
+    within = None if deviation is None else positive(deviation, "deviation")
+    if onto is not None and not callable(onto):
+        raise InputError(f"onto must be a function of points (k, 3), not {onto!r:.60}")
+    most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
+    progress = as_flag(progress, "progress")
+    clean = cleaned(surface)
+    if onto is not None:
+        clean = clean._replace(surface=_true(clean.surface, onto, field, within, most))
+    given = given_surface(clean.surface, sharp)
+    run, group, seams = _begun(given, field, within, most)
+    with progress_bar(progress, " rounds", total=ROUNDS) as bar:
+        run.run(bar)
+        crossing = run.untangle(bar)
+    if onto is not None:
+        factor = given.support.factor
+        run.put(nearest_by(onto, run.complex.sheets.xyz[: run.used] / factor) * factor)
+        crossing = run.crossing()
+    return noticed(_account(given, clean, run, crossing, group, seams, sharp))
+
+
+def _true(surface: Any, onto: Any, field: SizeField, within: float | None, most: int) -> Mesh:
+    """The given triangles moved onto the true surface, divided where that is needed."""
+    if isinstance(surface, Domain):
+        given = given_surface(surface, None)
+        rows = np.asarray(given.support.triangles)
+        names = {name: rows[among] for name, among in given.names.items()}
+        surface = Mesh(surface.points, rows, markers=names | given.edges | given.values)
+
+    def allowed(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return ALLOWED * field(x) if within is None else np.full(len(x), within)
+
+    return moved_onto(surface, onto, allowed, most)
+
+
+def _begun(
+    given: GivenSurface, field: SizeField, within: float | None, most: int
+) -> tuple[RemeshRun, Any, int]:
+    """The run before its first round; for each name of a triangle one that is given; the number of seams."""
+    support = given.support
+    rows = support.held.rows
+    whole = np.flatnonzero((rows != np.roll(rows, 1, axis=1)).all(axis=1))
+    if not len(whole):
+        raise InputError("all triangles of the surface are degenerate: they have equal corners")
+    code = np.zeros(len(rows), dtype=np.int64)
+    for values in (*given.names.values(), *given.values.values()):
+        both = np.stack([code, np.unique(values, return_inverse=True)[1].ravel()], axis=1)
+        code = np.unique(both, axis=0, return_inverse=True)[1].ravel()
+    first, code = np.unique(code, return_index=True, return_inverse=True)[1:]
+    complex = SurfaceComplex(
+        support.points * support.factor,
+        rows[whole].astype(np.int32),
+        support.features,
+        support.chain,
+        support.corners,
+        code.ravel()[whole].astype(np.int32),
+    )
+    factor = support.factor
+    seams = divide_seams(complex, lambda x: field(x / factor) * factor)
+    s = complex.sheets
+    used = s.at >= 0
+    s.near[used] = whole[np.minimum(s.at[used] // 3, len(whole) - 1)]
+    return RemeshRun(support, complex, field, within, most), first, seams
+
+
+def _account(
+    given: GivenSurface,
+    clean: Cleaned,
+    run: RemeshRun,
+    crossing: NDArray[np.int64],
+    group: NDArray[np.int64],
+    seams: int,
+    sharp: float | None,
+) -> DomainMesh:
+    """The mesh with its names, and what is to be said of it."""
+    support, taken, s = given.support, run.complex.taken(), run.complex.sheets
+    points = taken.points / support.factor
+    origin = np.full(len(points), -1, dtype=np.int32)
+    old = np.flatnonzero(taken.vertices < len(support.points))
+    same = (points[old] == support.points[taken.vertices[old]]).all(axis=1)  # slots are used again
+    origin[old[same]] = taken.vertices[old[same]]
+    mesh = Mesh(points, taken.triangles)
+    fault = run.faults()[taken.slots]
+    crossed = np.isin(taken.slots, crossing)
+    sides = points[taken.triangles] - points[np.roll(taken.triangles, 1, axis=1)]
+    large = lengths(sides).max(axis=1) > MUCH_LONGER * run.size(points[taken.triangles].mean(axis=1))
+    why: dict[int, str] = {}
+    for i in np.flatnonzero(large).tolist():
+        why[i] = NO_BUDGET if run.short else MISSED_SIZE
+    for kind, text in REASONS.items():
+        why |= dict.fromkeys(np.flatnonzero(fault & kind).tolist(), text)
+    why |= dict.fromkeys(np.flatnonzero(crossed).tolist(), CROSSES)
+    cells = sorted(why)
+    names = ("splits", "collapses", "flips", "moves", "refused: too far", "refused: turned over")
+    kinds = (SPLITS, COLLAPSES, FLIPPED, MOVES, TOO_FAR, TURNED)
+    lowered = s.size[taken.vertices] / run.asked(taken.vertices)
+    counts = {name: int(run.counts[kind]) for name, kind in zip(names, kinds)} | {
+        "lowered": int((lowered < 1.0).sum()),
+        "feature edges": len(taken.edges),
+        "seams": seams,
+    }
+    figures = {
+        "deviation": surface_deviation(support, points, taken.triangles, s.near[taken.vertices]),
+        "feature deviation": curve_deviation(support, taken),
+        "least angle": float(mesh.quality("min_angle").min()),
+        "least size": float(lowered.min()),
+        "sharp": 0.0 if sharp is None else sharp,
+    }
+    return DomainMesh(
+        points,
+        taken.triangles,
+        origin=origin,
+        markers=_markers(given, clean, taken, group[s.name[taken.slots]], origin),
+        regions=clean.regions,
+        unrefined=cells,
+        reasons=[why[i] for i in cells],
+        counts=counts | clean.counts,
+        figures=figures,
+    )
+
+
+def _markers(
+    given: GivenSurface, clean: Cleaned, taken: Taken, triangle: NDArray[np.int64], origin: NDArray[np.int32]
+) -> dict[str, Any]:
+    """The names of triangles, feature edges and vertices."""
+    found: dict[str, Any] = given.markers(taken.triangles, triangle)
+    support = given.support
+    n, number = len(support.points), same_points(support.points)
+    kept = np.sort(support.features, axis=1)
+    key = kept[:, 0] * n + kept[:, 1]
+    for name, rows in given.edges.items():
+        ends = np.sort(number[rows], axis=1)
+        curves = np.unique(support.chain[np.isin(key, ends[:, 0] * n + ends[:, 1])])
+        found[name] = taken.edges[np.isin(taken.curves, curves)]
+    place = {int(v): i for i, v in enumerate(origin.tolist()) if v >= 0}
+    for name, rows in clean.vertices.items():
+        found[name] = np.array([place[int(v)] for v in rows if int(v) in place], dtype=np.int32)[:, None]
+    return found

@@ -1,0 +1,277 @@
+"""RemeshRun: the rounds of remeshing, and the account of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...connect.surface.complex import SurfaceComplex
+from ...connect.surface.halfedges import SURFACE_SLOTS, SURFACE_VERTICES
+from ...geometry.embedded import meeting_pairs
+from ...geometry.support import Support
+from ...geometry.support_walk import WAITING_BOXES
+from ...sizing.field import SizeField
+from .faceting import faceting
+from .flips import count_degrees, flip_pass
+from .lengths import collapse_pass, split_pass
+from .measuring import FAR, FLAT, faults_pass, grade_pass, lower_pass
+from .moves import move_pass, put_pass
+from .shapes import COLLAPSES, FLIPPED, SPLITS, RemeshWork
+from .sharpest import mend_pass, sharpest_pass
+
+__all__ = ["ALLOWED", "RemeshRun"]
+
+Array = NDArray[np.float64]
+ALLOWED = 0.01  # the distance from the given surface that is allowed, in sizes, if nothing is said
+MOST_ALLOWED = 0.15  # the same where the given triangles themselves are coarser than the size
+COARSE = 1.7  # how many times as far as the given triangles are off a smooth surface is allowed
+KEPT_TO = 0.95  # the part of it that is kept to at the places that are looked at
+ROUNDS = 6  # of splits, collapses, flips and moves; more, if the size had to be lowered
+MEASURED = (0, 1, 3)  # rounds after which distances are measured
+FLIP_SWEEPS = 3
+GROWTH = 0.25  # of sizes that are lowered, by distance
+LEAST_SHARE = 0.125  # the part of the wanted size below which it is not lowered
+RELAXED = 1.3  # by how much a lowered size may rise again from one measurement to the next
+TARGETS = (30.0, 35.0, 38.0, 40.0)  # degrees below which triangles are sharp, one after the other
+SWEEPS = 12  # over triangles that are sharp, for each of them
+LEAST_TARGET = 35.0  # the same where triangles were split because they were too far from the surface
+LOOSE = 2.25  # the slack of rounds: the end mends what is left too far
+SETTLED = 0.002  # changes per vertex in a round after which no other follows
+MENDS = 5
+UNTANGLED = 4  # times that sizes are halved where triangles cross
+AT_ONCE = 1 << 17  # places that a kernel looks at in one call
+GROWN = 0.5  # share of spare vertices by which arrays grow
+
+
+class RemeshRun:
+    """Remeshing of one surface.
+
+    Parameters
+    ----------
+    support : Support
+    complex : SurfaceComplex
+        In the scaled coordinates of the support.
+    size : SizeField
+    deviation : float, optional
+    budget : int
+        The largest number of vertices.
+    """
+
+    def __init__(
+        self, support: Support, complex: SurfaceComplex, size: SizeField, deviation: float | None, budget: int
+    ):
+        self.support, self.complex, self.size, self.budget = support, complex, size, budget
+        self.deviation = deviation
+        self.counts = np.zeros(6, dtype=np.int64)
+        self.x, self.place = np.zeros((4, 3)), np.zeros(6)
+        self.stack = np.empty(WAITING_BOXES, dtype=np.int64)
+        self.slack = 1.0
+        self.faceting = faceting(support)
+        self.short = False  # whether the budget did not suffice
+        self.refresh()
+
+    @property
+    def work(self) -> RemeshWork:
+        """The record for kernels: of the arrays as they are now."""
+        sheets = self.complex.sheets
+        return RemeshWork(
+            sheets,
+            self.support.held,
+            self.x,
+            np.zeros(3),
+            np.zeros(3),
+            self.place,
+            self.stack,
+            self.counts,
+            self.slack,
+        )
+
+    def asked(self, vertices: NDArray[np.int64]) -> Array:
+        """The size that was asked for at some vertices, in scaled coordinates."""
+        factor = self.support.factor
+        if self.size.constant is not None:
+            return np.full(len(vertices), self.size.constant * factor)
+        return self.size(self.complex.sheets.xyz[vertices] / factor) * factor
+
+    def refresh(self) -> None:
+        """Ask for the size at all vertices."""
+        s = self.complex.sheets
+        used = np.flatnonzero(s.at[: self.used] >= 0)
+        asked = self.asked(used)
+        s.size[used] = np.minimum(asked, np.maximum(s.cap[used], LEAST_SHARE * asked))
+        if self.deviation is None:
+            coarse = np.minimum(
+                0.5 * ALLOWED * asked + COARSE * self.faceting[s.near[used]], MOST_ALLOWED * asked
+            )
+            s.allowed[used] = np.maximum(KEPT_TO * ALLOWED * asked, coarse)
+        else:
+            s.allowed[used] = self.deviation * self.support.factor
+
+    def split(self) -> None:
+        """Split edges until all are short enough, or the budget is used up."""
+        start = 0
+        while start >= 0:
+            room = self.room()
+            if room == 0:
+                return
+            self.complex.grow(room, 2 * room)
+            start = int(split_pass(self.work, start, min(room, AT_ONCE)))
+
+    def room(self) -> int:
+        """For how many vertices arrays should grow; notes if there may be no more."""
+        room = min(int(GROWN * self.used) + 1, self.budget - self.used)
+        self.short = self.short or room <= 0
+        return max(room, 0)
+
+    @property
+    def used(self) -> int:
+        """The number of vertices, counting free ones between others."""
+        return int(self.complex.sheets.state[SURFACE_VERTICES])
+
+    def sweep(self, kernel: Any, count: int, *arguments: Any) -> int:
+        """Call a kernel for parts of ``count`` places, one after the other: Ctrl-C has a chance between."""
+        work, total = self.work, 0
+        for start in range(0, count, AT_ONCE):
+            total += kernel(work, start, min(start + AT_ONCE, count), *arguments)
+        return int(total)
+
+    @property
+    def slots(self) -> int:
+        """The number of slots of triangles."""
+        return int(self.complex.sheets.state[SURFACE_SLOTS])
+
+    def flip(self, by_degree: bool) -> None:
+        """Flip edges until no flip helps."""
+        if by_degree:
+            self.sweep(count_degrees, self.used, True)
+        for _ in range(FLIP_SWEEPS):
+            if self.sweep(flip_pass, 3 * self.slots, by_degree) == 0:
+                break
+        if by_degree:
+            self.sweep(count_degrees, self.used, False)
+
+    def collapse(self) -> None:
+        """Collapse short edges."""
+        self.sweep(collapse_pass, 3 * self.slots)
+
+    def move(self) -> None:
+        """Move all vertices once."""
+        self.sweep(move_pass, self.used)
+
+    def measure(self) -> bool:
+        """Lower sizes where the mesh is too far from the surface; whether there is such a place."""
+        s = self.complex.sheets
+        bound = np.full(len(s.at), np.inf)
+        self.sweep(lower_pass, self.slots, bound)
+        s.cap[:] = np.minimum(bound, RELAXED * s.cap)
+        return self.grade()
+
+    def grade(self) -> bool:
+        """Let lowered sizes grow slowly; whether there are any."""
+        s = self.complex.sheets
+        if not np.isfinite(s.cap[: self.used]).any():
+            return False
+        while self.sweep(grade_pass, 3 * self.slots, GROWTH):
+            pass
+        self.refresh()
+        return bool((s.size[: self.used] == s.cap[: self.used]).any())
+
+    def round(self) -> None:
+        """One round."""
+        self.split()
+        self.collapse()
+        self.flip(True)
+        self.move()
+        self.move()
+        self.refresh()
+        self.flip(False)
+
+    def begin(self) -> None:
+        """What is small or flat in the given triangles goes first."""
+        self.flip(False)
+        self.collapse()
+        self.flip(False)
+
+    def finish(self) -> None:
+        """Moves and flips alone, and then whatever makes the sharpest triangles less sharp."""
+        for _ in range(4):
+            self.move()
+            self.flip(False)
+        for degrees in TARGETS:
+            self.sharpen(degrees)
+        self.refresh()
+
+    def sharpen(self, degrees: float) -> None:
+        """Change triangles with angles of fewer degrees."""
+        target = float(np.sin(np.deg2rad(degrees))) ** 2
+        tried = np.zeros(len(self.complex.sheets.name), dtype=np.bool_)
+        for _ in range(SWEEPS):
+            if self.sweep(sharpest_pass, self.slots, target, tried) == 0:
+                return
+
+    def faults(self) -> NDArray[np.int8]:
+        """What is wrong with each slot of triangles."""
+        fault = np.zeros(self.slots, dtype=np.int8)
+        self.sweep(faults_pass, self.slots, fault)
+        return fault
+
+    def mend(self, fault: NDArray[np.int8]) -> None:
+        """Finer triangles where those there are too far from the surface."""
+        start = 0
+        while start >= 0:
+            room = self.room()
+            if room == 0:
+                break
+            self.complex.grow(room, 2 * room)
+            start = int(mend_pass(self.work, fault, FAR, room))
+        self.flip(False)
+        self.sharpen(LEAST_TARGET)
+
+    def crossing(self) -> NDArray[np.int64]:
+        """Slots of triangles that meet others outside of common vertices and edges, without flat ones."""
+        taken = self.complex.taken()
+        sound = np.flatnonzero(self.faults()[taken.slots] & FLAT == 0)
+        pairs = meeting_pairs(taken.points, np.ascontiguousarray(taken.triangles[sound]))
+        return taken.slots[sound[np.unique(pairs)]]
+
+    def untangle(self, bar: Any) -> NDArray[np.int64]:
+        """Smaller sizes where triangles cross, until none do; those that still cross in the end."""
+        found, s = self.crossing(), self.complex.sheets
+        for _ in range(UNTANGLED):
+            if not len(found):
+                break
+            s = self.complex.sheets
+            corners = np.unique(s.vertex[3 * found[:, None] + np.arange(3)])
+            s.cap[corners] = np.minimum(s.cap[corners], 0.5 * s.size[corners])
+            self.grade()
+            self.round()
+            self.finish()
+            bar.update()
+            found = self.crossing()
+        return found
+
+    def put(self, places: Array) -> int:
+        """Move vertices to these places, where no triangle turns over; how many stay."""
+        return self.sweep(put_pass, self.used, places)
+
+    def run(self, bar: Any) -> None:
+        self.begin()
+        self.slack = LOOSE
+        for i in range(ROUNDS):
+            before = self.counts.copy()
+            self.round()
+            lowered = i in MEASURED and self.measure()
+            bar.update()
+            change = self.counts - before
+            if not lowered and change[SPLITS] + change[COLLAPSES] + change[FLIPPED] < SETTLED * self.used:
+                break
+        self.slack = 1.0
+        self.finish()
+        for _ in range(MENDS):
+            fault = self.faults()
+            if not (fault & FAR).any():
+                break
+            self.mend(fault)
+            bar.update()

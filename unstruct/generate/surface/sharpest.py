@@ -1,0 +1,105 @@
+"""Kernels: the sharpest triangles are made less sharp by flips, collapses, splits and moves near them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...base.jit import kernel, lean
+from ...connect.insertion.halfedges import UNUSED, next_edge, prev_edge
+from ...connect.surface.halfedges import SEAM, first_corner, has_room, turned
+from .flips import flip_if_better
+from .lengths import collapse_checked, split_checked
+from .moves import search_at
+from .shapes import SPLITS, distance_squared, sharpness
+
+__all__ = ["mend_pass", "sharpest_pass"]
+
+LONGEST_NEW = 1.6  # edges that a collapse makes may have this length, in wanted ones
+
+
+@lean
+def _sharpness_of(work, t):
+    s, ref = work.sheets, work.ref
+    a, b, c = s.vertex[3 * t], s.vertex[3 * t + 1], s.vertex[3 * t + 2]
+    ref[0] = ref[1] = ref[2] = 0.0
+    return sharpness(s.xyz[a], s.xyz, b, c, ref)
+
+
+@lean
+def _look_again(s, v, tried):
+    """Triangles around a vertex have changed: what failed there may now help."""
+    if s.at[v] < 0:
+        return
+    start = first_corner(s, v)
+    c = start
+    while True:
+        tried[c // 3] = False
+        c = turned(s.twin, c)
+        if c < 0 or c == start:
+            return
+
+
+@lean
+def _less_sharp(work, t, now):
+    """Change something at a sharp triangle, if that helps."""
+    s = work.sheets
+    for e in range(3 * t, 3 * t + 3):
+        if flip_if_better(work, e, False):
+            return True
+    short, least = 3 * t, np.inf
+    for e in range(3 * t, 3 * t + 3):
+        length = distance_squared(s.xyz, s.vertex[next_edge(e)], s.vertex[prev_edge(e)])
+        if length < least:
+            short, least = e, length
+    if collapse_checked(work, short, now, LONGEST_NEW):
+        return True
+    changed = False
+    for k in range(3):
+        changed = search_at(work, s.vertex[3 * t + k]) or changed
+    return changed
+
+
+@kernel
+def sharpest_pass(work, start, stop, target, tried):
+    """One sweep over triangles that are sharper than the target; how many changes there were.
+
+    ``tried`` (m,) says where nothing has helped, and nothing has changed since.
+    """
+    s, done = work.sheets, 0
+    for t in range(start, stop):
+        if s.vertex[3 * t] == UNUSED or tried[t]:
+            continue
+        now = _sharpness_of(work, t)
+        if now >= target:
+            continue
+        a, b, c = s.vertex[3 * t], s.vertex[3 * t + 1], s.vertex[3 * t + 2]
+        if _less_sharp(work, t, now):
+            done += 1
+            for v in (a, b, c):
+                _look_again(s, v, tried)
+        else:
+            tried[t] = True
+    return done
+
+
+@kernel
+def mend_pass(work, fault, kinds, most):
+    """Split the longest edges of triangles with such faults; where it stopped for want of room, or -1."""
+    s, last = work.sheets, work.counts[SPLITS] + most
+    for t in range(fault.shape[0]):
+        if s.vertex[3 * t] == UNUSED or fault[t] & kinds == 0:
+            continue
+        if work.counts[SPLITS] >= last or not has_room(s, 1, 2):
+            return t
+        longest, most = 3 * t, 0.0
+        for e in range(3 * t, 3 * t + 3):
+            length = distance_squared(s.xyz, s.vertex[next_edge(e)], s.vertex[prev_edge(e)])
+            if length > most and s.curve[e] < SEAM:
+                longest, most = e, length
+        fault[t] = 0
+        if most == 0.0:
+            continue
+        if s.twin[longest] >= 0 and s.twin[longest] // 3 < fault.shape[0]:
+            fault[s.twin[longest] // 3] = 0  # it is halved, too
+        split_checked(work, longest)
+    return -1
