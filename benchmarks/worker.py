@@ -112,12 +112,13 @@ def start(case: dict) -> dict[str, float]:
 
 def meshed(case: dict) -> list[dict]:
     """One row for each mesher of a work, with the quality of its mesh; all run in turn, ``repeats`` times."""
-    from . import front, layers, meshers, planar, prisms, small, space_front, tree, volume
+    from . import front, layers, meshers, planar, prisms, small, space_front, surface, tree, volume
     from .quality import measures
 
     work, n = case["work"], case["n"]
     suites: dict[str, Any] = {
         "small": small,
+        "surface": surface,
         "front": front,
         "layers": layers,
         "prisms": prisms,

@@ -7,6 +7,7 @@ Regions: `Domain` with `Arc`, `Bezier`, `Curve`, `Spacing`; `constrained_delauna
 `refine`, `circumcenter_insertion`, `voronoi_segment`, `advancing_front`, `front_delaunay`, `smooth`;
 `advancing_layers` with `Layers`. Bodies: `constrained_delaunay`, `tetrahedralize`, `prismatic_layers`,
 `improve`.
+Surfaces: `remesh`.
 Trees over boxes, regions and bodies: `quadtree`, `octree`, `Tree`; `isosurface_stuffing`.
 
 Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `join`; `second_order`,
@@ -62,6 +63,7 @@ from .generate.prisms.prismatic_layers import prismatic_layers as prismatic_laye
 from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
 from .generate.refinement.refine import refine as refine
 from .generate.stuffing.stuffing import isosurface_stuffing as isosurface_stuffing
+from .generate.surface.remesh import remesh as remesh
 from .generate.volume.improving import improve as improve
 from .geometry.curves import Arc as Arc
 from .geometry.curves import Bezier as Bezier
@@ -118,6 +120,7 @@ __all__ = [
     "prismatic_layers",
     "quadtree",
     "refine",
+    "remesh",
     "second_order",
     "simplex",
     "sizing",

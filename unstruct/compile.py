@@ -158,6 +158,11 @@ def _ball() -> unstruct.Domain:
     return unstruct.Domain.ball(size=0.9)
 
 
+def _surfaces() -> None:
+    unstruct.remesh(unstruct.Domain.cylinder(), 0.4)
+    unstruct.remesh(unstruct.Domain.ball(), lambda x: 0.5 + 0.1 * x[:, 0])
+
+
 def _sizes() -> None:
     size = unstruct.sizing.from_features(_ring(), 0.5, far=0.6)
     unstruct.refine(_ring(), size)
@@ -182,6 +187,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "circumcenters": _circumcenters,
     "smoothing": _smooth,
     "trees": _trees,
+    "surfaces": _surfaces,
     "sizes": _sizes,
     "higher dimensions": _many_dimensions,
 }

@@ -25,11 +25,11 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 # oracle, stands low because it needs errors alone; only views and chapters take from it.
 HOUSE = """
 base plain predicates geometry mesh
-connect/insertion connect/planar connect/spatial connect/voronoi connect/wrapping connect/baker connect
+connect/insertion connect/planar connect/spatial connect/surface connect/voronoi connect/wrapping connect/baker connect
 sizing
 domain/arguments domain/plane domain/space domain
 generate/volume generate/boundary generate/volume_points generate/refinement generate/centers
-generate/improve generate/rebay generate/bodies generate/space_front
+generate/improve generate/rebay generate/bodies generate/surface generate/space_front
 generate/front generate/layers generate/prisms
 generate/tree generate/tree_regions generate/stuffing generate/hexahedra generate/planting
 assess examples

@@ -86,6 +86,7 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
         "front_delaunay": (u.front_delaunay, (SQUARE, 0.3), {}),
         "advancing_layers": (u.advancing_layers, (SQUARE, 0.2), {"layers": LAYERS, "walls": ["a"]}),
         "prismatic_layers": (u.prismatic_layers, (BOX,), {"layers": LAYERS, "side": "inside"}),
+        "remesh": (u.remesh, (u.Domain.box(), 0.5), {}),
         "smooth": (u.smooth, (mesh,), {}),
         "improve": (u.improve, (u.delaunay(np.random.default_rng(0).random((20, 3))),), {}),
         "tetrahedralize": (u.tetrahedralize, (u.Domain.ball(size=1.0), 1.0), {}),
