@@ -6,8 +6,7 @@ Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`
 Regions: `Domain` with `Arc`, `Bezier`, `Curve`, `Spacing`; `constrained_delaunay`, `conforming_delaunay`,
 `refine`, `circumcenter_insertion`, `voronoi_segment`, `advancing_front`, `front_delaunay`, `smooth`;
 `advancing_layers` with `Layers`. Bodies: `constrained_delaunay`, `tetrahedralize`, `prismatic_layers`,
-`improve`.
-Surfaces: `remesh`.
+`improve`. Surfaces: `remesh`, `surface_delaunay`, `curvature` with `Curvature`.
 Trees over boxes, regions and bodies: `quadtree`, `octree`, `Tree`; `isosurface_stuffing`.
 
 Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `join`; `second_order`,
@@ -42,6 +41,8 @@ from .connect.baker.modernized import insert as insert
 from .connect.insertion.delaunay import Triangulation as Triangulation
 from .connect.insertion.delaunay import delaunay as delaunay
 from .connect.interpolation import interpolate as interpolate
+from .connect.surface.curvature import Curvature as Curvature
+from .connect.surface.curvature import curvature as curvature
 from .connect.swapping import swap_diagonals as swap_diagonals
 from .connect.voronoi.diagram import Voronoi as Voronoi
 from .connect.voronoi.diagram import voronoi as voronoi
@@ -64,6 +65,7 @@ from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
 from .generate.refinement.refine import refine as refine
 from .generate.stuffing.stuffing import isosurface_stuffing as isosurface_stuffing
 from .generate.surface.remesh import remesh as remesh
+from .generate.surface.surface_delaunay import surface_delaunay as surface_delaunay
 from .generate.volume.improving import improve as improve
 from .geometry.curves import Arc as Arc
 from .geometry.curves import Bezier as Bezier
@@ -80,6 +82,7 @@ __version__ = "0.1.0"
 __all__ = [
     "Arc",
     "Bezier",
+    "Curvature",
     "Curve",
     "CurvedMesh",
     "DegenerateInputError",
@@ -105,6 +108,7 @@ __all__ = [
     "compare",
     "conforming_delaunay",
     "constrained_delaunay",
+    "curvature",
     "delaunay",
     "examples",
     "front_delaunay",
@@ -127,6 +131,7 @@ __all__ = [
     "smooth",
     "statistics",
     "studies",
+    "surface_delaunay",
     "swap_diagonals",
     "tetrahedralize",
     "topology",

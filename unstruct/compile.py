@@ -68,6 +68,13 @@ def _body_points() -> None:
     unstruct.voronoi_segment(body, 0.6)
 
 
+def _delaunay_surfaces() -> None:
+    surface = unstruct.Mesh(_ball().points, _ball().facets)
+    unstruct.check(unstruct.surface_delaunay(surface), domain=surface)
+    unstruct.surface_delaunay(surface, 0.5)
+    unstruct.curvature(surface)
+
+
 def _many_dimensions() -> None:
     unstruct.delaunay(_points(4))
 
@@ -187,8 +194,9 @@ TASKS: dict[str, Callable[[], None]] = {
     "circumcenters": _circumcenters,
     "smoothing": _smooth,
     "trees": _trees,
-    "surfaces": _surfaces,
+    "Delaunay surfaces": _delaunay_surfaces,
     "sizes": _sizes,
+    "surfaces": _surfaces,
     "higher dimensions": _many_dimensions,
 }
 

@@ -2,8 +2,9 @@
 
 There are Baker's insertion with fixed cells, recovery of edges and in space what it did, insertion that
 breaks no boundary edge, points along the skeleton of a boundary, meshes of the torus, greedy terrain, a proof
-of the angles of `isosurface_stuffing`, and the steps by which `swap_diagonals` and `voronoi_segment` reach
-their results. This module only imports them.
+of the angles of `isosurface_stuffing`, what is Delaunay on a surface (criteria, intrinsic flips, restricted
+to it), and the steps by which `swap_diagonals` and `voronoi_segment` reach their results. This module only
+imports them.
 """
 
 from .assess.statistics import angle_histogram as angle_histogram
@@ -13,6 +14,13 @@ from .connect.baker.fixed import held_by as held_by
 from .connect.baker.fixed import hidden_facets as hidden_facets
 from .connect.baker.modernized import Baker as Baker
 from .connect.spatial.journal import replay_recovery as replay_recovery
+from .connect.surface.criteria import SurfaceCriteria as SurfaceCriteria
+from .connect.surface.criteria import surface_criteria as surface_criteria
+from .connect.surface.density import feature_sizes as feature_sizes
+from .connect.surface.density import sampling_density as sampling_density
+from .connect.surface.intrinsic import IntrinsicTriangulation as IntrinsicTriangulation
+from .connect.surface.restricted import RestrictedDelaunay as RestrictedDelaunay
+from .connect.surface.restricted import restricted_delaunay as restricted_delaunay
 from .connect.swapping import replay as replay
 from .connect.terrain import Terrain as Terrain
 from .connect.terrain import greedy_terrain as greedy_terrain

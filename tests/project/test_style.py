@@ -25,7 +25,8 @@ MODULES = sorted(PACKAGE.rglob("*.py"))
 # oracle, stands low because it needs errors alone; only views and chapters take from it.
 HOUSE = """
 base plain predicates geometry mesh
-connect/insertion connect/planar connect/spatial connect/surface connect/voronoi connect/wrapping connect/baker connect
+connect/insertion connect/planar connect/spatial connect/surface connect/voronoi connect/wrapping
+connect/baker connect
 sizing
 domain/arguments domain/plane domain/space domain
 generate/volume generate/boundary generate/volume_points generate/refinement generate/centers

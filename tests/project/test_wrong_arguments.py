@@ -22,6 +22,7 @@ SQUARE = u.Domain(
     np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float), [(0, 1), (1, 2), (2, 3), (3, 0)],
     markers={"a": [0], "c": [2]}, regions={"r": (0.3, 0.35)},
 )  # fmt: skip
+SURFACE = u.Mesh([(0, 0, 0), (4, 0, 0), (0, 4, 0), (1, 1, 1)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
 CLOUD = np.random.default_rng(0).random((30, 2))
 LAYERS = u.Layers(first=0.02, growth=1.3, count=2)
 # wrong for almost every argument, and never the cause of a long run
@@ -85,6 +86,13 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
         "front in a metric": (u.advancing_front, (SQUARE, sizing.directional((1.0, 0.0), 0.3, 0.2)), {}),
         "front_delaunay": (u.front_delaunay, (SQUARE, 0.3), {}),
         "advancing_layers": (u.advancing_layers, (SQUARE, 0.2), {"layers": LAYERS, "walls": ["a"]}),
+        "surface_delaunay": (u.surface_delaunay, (SURFACE,), {}),
+        "curvature": (u.curvature, (SURFACE,), {}),
+        "surface_criteria": (studies.surface_criteria, (SURFACE,), {}),
+        "restricted_delaunay": (studies.restricted_delaunay, (SURFACE.points, SURFACE), {}),
+        "feature_sizes": (studies.feature_sizes, (SURFACE.points,), {}),
+        "sampling_density": (studies.sampling_density, (SURFACE.points, SURFACE, 1.0), {}),
+        "IntrinsicTriangulation": (studies.IntrinsicTriangulation, (SURFACE,), {}),
         "prismatic_layers": (u.prismatic_layers, (BOX,), {"layers": LAYERS, "side": "inside"}),
         "remesh": (u.remesh, (u.Domain.box(), 0.5), {}),
         "smooth": (u.smooth, (mesh,), {}),

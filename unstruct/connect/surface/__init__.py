@@ -1,1 +1,1 @@
-"""Triangles of a surface in space as half-edges, and what changes them: splits, flips, collapses."""
+"""Triangles of a surface: half-edges and what changes them, and what is Delaunay there (12.2.7)."""
