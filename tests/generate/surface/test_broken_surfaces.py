@@ -1,0 +1,48 @@
+"""Surfaces that broke `remesh` and `surface_delaunay`, as files from elsewhere may have them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import unstruct
+from unstruct import Mesh, remesh
+from unstruct.errors import InputError
+from unstruct.generate.surface.front import surface_front
+
+
+def box(*sides: float) -> Mesh:
+    points = [[x, y, z] for x in (0, sides[0]) for y in (0, sides[1]) for z in (0, sides[2])]
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    rows = [row for a, b, c, d in quads for row in ((a, b, c), (a, c, d))]
+    return Mesh(np.array(points, dtype=float), np.array(rows))
+
+
+@pytest.mark.parametrize("thickness", [1e-3, 1e-4])
+def test_the_sheets_of_a_thin_plate_stay_apart(thickness: float) -> None:
+    """Vertices of one sheet went to the other one, which is no farther away than what is allowed."""
+    plate = box(1.0, 1.0, thickness)
+    mesh = remesh(plate, 0.1)
+    assert mesh.complete and unstruct.check(mesh, domain=plate) and mesh.size < 3000
+
+
+def bottle(n: int = 24, around: int = 12) -> Mesh:
+    """Klein's bottle, as a figure eight that turns: it crosses itself."""
+    u, v = np.meshgrid(2 * np.pi * np.arange(n) / n, 2 * np.pi * np.arange(around) / around, indexing="ij")
+    r = 2 + np.cos(u / 2) * np.sin(v) - np.sin(u / 2) * np.sin(2 * v)
+    z = np.sin(u / 2) * np.sin(v) + np.cos(u / 2) * np.sin(2 * v)
+    rows = []
+    for i in range(n):
+        for j in range(around):
+            a, b = i * around + j, i * around + (j + 1) % around
+            c, d = a + around, b + around
+            if i == n - 1:
+                c, d = -j % around, (-j - 1) % around
+            rows += [[a, c, b], [c, d, b]]
+    return Mesh(np.stack([r * np.cos(u), r * np.sin(u), z], axis=2).reshape(-1, 3), np.array(rows))
+
+
+def test_a_surface_that_crosses_itself_is_not_split_without_end() -> None:
+    """Beside edges of more than two triangles, which stay, it split others without end where sizes fell."""
+    mesh = remesh(bottle(), 0.4)
+    assert mesh.size < 100_000 and any("crosses" in reason for reason in mesh.reasons)
