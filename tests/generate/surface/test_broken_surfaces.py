@@ -11,6 +11,14 @@ from unstruct.errors import InputError
 from unstruct.generate.surface.front import surface_front
 
 
+def test_a_surface_of_flat_triangles_has_no_direction() -> None:
+    for points in ([[0, 0, 0], [1, 0, 0], [0.5, 0, 0]], [[0, 0, 0], [1, 1, 1], [3, 3, 3]]):
+        with pytest.raises(InputError, match="degenerate"):
+            remesh(Mesh(points, [[0, 1, 2]]), 0.2)
+        with pytest.raises(InputError, match="degenerate"):
+            surface_front(Mesh(points, [[0, 1, 2]]), 0.2)
+
+
 def box(*sides: float) -> Mesh:
     points = [[x, y, z] for x in (0, sides[0]) for y in (0, sides[1]) for z in (0, sides[2])]
     quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
