@@ -34,6 +34,42 @@ def test_the_sheets_of_a_thin_plate_stay_apart(thickness: float) -> None:
     assert mesh.complete and unstruct.check(mesh, domain=plate) and mesh.size < 3000
 
 
+def strip(n: int = 24, across: int = 4, width: float = 0.3) -> Mesh:
+    """Moebius' strip."""
+    points, rows = [], []
+    for i in range(n):
+        a = 2 * np.pi * i / n
+        for s in np.linspace(-width, width, across):
+            r = 1 + s * np.cos(a / 2)
+            points.append([r * np.cos(a), r * np.sin(a), s * np.sin(a / 2)])
+    for i in range(n):
+        for j in range(across - 1):
+            a, b = i * across + j, i * across + j + 1
+            c, d = (a + across, b + across) if i < n - 1 else (across - 1 - j, across - 2 - j)
+            rows += [[a, c, b], [c, d, b]]
+    return Mesh(np.array(points), np.array(rows))
+
+
+def test_a_strip_with_one_side_keeps_its_seam() -> None:
+    """It was turned another way, with a seam elsewhere, than the surface that check compares it with."""
+    surface = strip()
+    mesh = remesh(surface, 0.15)
+    assert mesh.complete and mesh.counts["turned triangles"] == 0 and unstruct.check(mesh, domain=surface)
+
+
+def test_what_was_turned_and_repeated_passes_the_check() -> None:
+    tetrahedron = [[0, 2, 1], [0, 1, 3], [3, 2, 1], [0, 3, 2], [1, 0, 2]]
+    surface = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], tetrahedron)
+    mesh = remesh(surface, 0.3)
+    assert mesh.counts["turned triangles"] == mesh.counts["repeated triangles"] == 1
+    report = unstruct.check(mesh, domain=surface)
+    assert report and any(
+        "1 triangles, which count once, and 1 were turned" in note for note in report.passed
+    )
+    broken = Mesh(mesh.points, np.vstack([mesh.simplices[:1, ::-1], mesh.simplices[1:]]))
+    assert not unstruct.check(broken, domain=surface)
+
+
 def bottle(n: int = 24, around: int = 12) -> Mesh:
     """Klein's bottle, as a figure eight that turns: it crosses itself."""
     u, v = np.meshgrid(2 * np.pi * np.arange(n) / n, 2 * np.pi * np.arange(around) / around, indexing="ij")
