@@ -70,6 +70,14 @@ def test_what_was_turned_and_repeated_passes_the_check() -> None:
     assert not unstruct.check(broken, domain=surface)
 
 
+def test_coordinates_that_are_rounded_more_than_the_usual_deviation() -> None:
+    """It split everything, because rounded vertices are farther away than a hundredth of the size."""
+    tetrahedron = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+    points = 4.0 * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) + 1e14
+    mesh = remesh(Mesh(points, tetrahedron), 1.0)
+    assert mesh.size < 500
+
+
 def bottle(n: int = 24, around: int = 12) -> Mesh:
     """Klein's bottle, as a figure eight that turns: it crosses itself."""
     u, v = np.meshgrid(2 * np.pi * np.arange(n) / n, 2 * np.pi * np.arange(around) / around, indexing="ij")
