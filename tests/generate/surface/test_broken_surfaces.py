@@ -19,6 +19,14 @@ def test_a_surface_of_flat_triangles_has_no_direction() -> None:
             surface_front(Mesh(points, [[0, 1, 2]]), 0.2)
 
 
+def test_a_surface_of_one_triangle_has_criteria() -> None:
+    """Three points have no Delaunay mesh in space, and that was an error."""
+    surface = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    for size in (None, 0.2):
+        mesh = unstruct.surface_delaunay(surface, size)
+        assert mesh.complete and unstruct.check(mesh, domain=surface)
+
+
 def box(*sides: float) -> Mesh:
     points = [[x, y, z] for x in (0, sides[0]) for y in (0, sides[1]) for z in (0, sides[2])]
     quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
