@@ -87,7 +87,8 @@ def check(
     as many triangles meet there, in the same directions, as on the surface, and two at all other edges; the
     components of both and their Euler characteristics agree; no two triangles meet but in common vertices
     and edges (exact); all cells face as the surface does; the distances of each from the other, measured at
-    samples; names.
+    samples; names. If the mesh is turned coherently, triangles that the surface repeats count once, and its
+    parts are turned as their first triangles, as `remesh` does.
 
     The Delaunay test looks at each interior facet only: by Delaunay's theorem (1934; Shewchuk, *General-
     dimensional constrained Delaunay and constrained regular triangulations*, 2008) locally empty spheres
