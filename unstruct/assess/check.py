@@ -88,7 +88,8 @@ def check(
     as many triangles meet there, in the same directions, as on the surface, and two at all other edges; the
     components of both and their Euler characteristics agree; no two triangles meet but in common vertices
     and edges (exact); all cells face as the surface does; the distances of each from the other, measured at
-    samples; names.
+    samples; names. If the mesh is turned coherently, triangles that the surface repeats count once, and its
+    parts are turned as their first triangles, as `remesh` does.
 
     Cells of other kinds in space do not overlap if all Jacobians are positive, the faces of the boundary,
     bilinear ones too, meet in common corners and edges alone, and their outer sides are outside: proved in

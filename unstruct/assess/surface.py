@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ..base.report import Problem, Report, problem
 from ..domain.given_surface import USUAL_SHARP, given_surface
+from ..generate.surface.cleaning import broken_edges, cleaned
 from ..geometry.embedded import embedded, flat_rows, meeting_pairs
 from ..geometry.support import Support
 from ..geometry.support_features import fans_at, same_points, side_groups, united
@@ -58,6 +59,7 @@ def check_surface(
     """Compare a mesh with a surface; see `check`. O(m log m)."""
     figures = mesh.figures if isinstance(mesh, DomainMesh) else {}
     turn = figures.get("sharp", USUAL_SHARP) if sharp is None else sharp
+    surface = _mended(mesh, surface, report)
     given = given_surface(surface, turn if 0.0 < turn < 180.0 else None)
     report.note(f"compared with {surface!r}, whose creases turn by more than {turn:g} degrees")
     support, rows = given.support, np.asarray(mesh.simplices, dtype=np.int64)
@@ -80,6 +82,17 @@ def check_surface(
     triangle = np.where(turned, places.nearest, places.triangle)
     _components(mesh, support, triangle, report)
     names_held(mesh, given, triangle, curves, report)
+
+
+def _mended(mesh: Mesh, surface: object, report: Report) -> object:
+    """For a mesh that is turned coherently, a given surface without what is repeated or turned otherwise."""
+    clean = cleaned(surface)
+    again = clean.counts.get("repeated triangles", 0), clean.counts.get("turned triangles", 0)
+    rows = np.asarray(mesh.simplices, dtype=np.int64)
+    if not any(again) or broken_edges(rows, np.zeros(len(rows), dtype=np.int64), 1)[0]:
+        return surface
+    report.note(f"the surface repeats {again[0]} triangles, which count once, and {again[1]} were turned")
+    return clean.surface
 
 
 def _distinct(mesh: Mesh, rows: NDArray[np.int64], report: Report) -> bool:

@@ -18,7 +18,7 @@ from ..mesh.mesh import Mesh
 from .domain import Domain
 from .space.inside import outward
 
-__all__ = ["USUAL_SHARP", "GivenSurface", "given_surface"]
+__all__ = ["USUAL_SHARP", "GivenSurface", "directed", "given_surface"]
 
 NO_EDGE, NO_VERTEX = np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64)
 USUAL_SHARP = 40.0  # degrees by which a surface turns at a crease, if nothing is said
@@ -95,6 +95,16 @@ def given_surface(surface: Any, sharp: float | None = USUAL_SHARP) -> GivenSurfa
     if surface.points.shape[1] != 3 or list(surface.cells) != ["triangle"] or surface.size == 0:
         raise InputError(f"a surface must be a mesh of triangles in space, not {surface!r}")
     return _of_mesh(surface, sharp)
+
+
+def directed(given: GivenSurface) -> GivenSurface:
+    """The same surface; an error if all its triangles are flat, for then it has no area and no direction."""
+    if not given.support.normals.any():
+        raise InputError(
+            "all triangles of the surface are degenerate: their corners are equal or lie on lines; give a "
+            "surface with area"
+        )
+    return given
 
 
 def _of_body(domain: Domain, sharp: float | None) -> GivenSurface:

@@ -259,8 +259,10 @@ def on_surface(points: Array, rows: NDArray[np.int32], empty: NDArray[np.bool_])
     used, number = np.unique(rows, return_inverse=True)
     x, local = np.ascontiguousarray(points[used]), number.reshape(-1, 3)
     try:
-        mesh = delaunay(x)
-    except DegenerateInputError:  # all in one plane, where centers must lie in the plane of the triangles
+        mesh = delaunay(x) if len(x) > 3 else None
+    except DegenerateInputError:
+        mesh = None
+    if mesh is None:  # all in one plane, where centers must lie in the plane of the triangles
         return found | empty & _center_anywhere(points, rows)
     kept = np.arange(len(x))
     kept[mesh.duplicates[:, 0]] = mesh.duplicates[:, 1]

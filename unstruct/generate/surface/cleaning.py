@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.inside_shell import triangle_components
-from ...geometry.support_features import same_points
+from ...geometry.support_features import same_points, side_groups
 from ...mesh.mesh import Mesh
 
-__all__ = ["Cleaned", "cleaned"]
+__all__ = ["Cleaned", "broken_edges", "cleaned"]
 
 
 class Cleaned(NamedTuple):
@@ -39,7 +39,8 @@ class Cleaned(NamedTuple):
 def cleaned(surface: Any) -> Cleaned:
     """The surface; of a mesh each triangle once, and all parts turned alike where that is possible.
 
-    A part, which hangs together over edges of two triangles, is turned as its first triangle.
+    A part, which hangs together over edges of two triangles, is turned as its first triangle. A part with one
+    side, such as Moebius' strip, stays as it is given if that is turned alike at no fewer edges.
     """
     if not isinstance(surface, Mesh) or list(surface.cells) != ["triangle"] or surface.points.shape[1] != 3:
         return Cleaned(surface, {}, {}, {})
@@ -52,7 +53,7 @@ def cleaned(surface: Any) -> Cleaned:
     triangles = np.array(surface.simplices)[~repeated]
     turned = np.zeros(len(triangles), dtype=bool)
     real = np.flatnonzero(whole[~repeated])
-    turned[real] = triangle_components(same[triangles[real]])[1]
+    turned[real] = _against(same[triangles[real]])
     triangles[turned] = triangles[turned][:, [0, 2, 1]]
     used = np.unique(surface.simplices)
     found = surface
@@ -72,3 +73,21 @@ def cleaned(surface: Any) -> Cleaned:
         name: same[np.unique(values)] for name, values in surface.markers.items() if values.shape[1:] == (1,)
     }
     return Cleaned(found, counts, vertices, surface.regions)
+
+
+def _against(rows: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """The triangles to be turned."""
+    part, against, count = triangle_components(rows)
+    other = rows.copy()
+    other[against] = rows[against][:, [0, 2, 1]]
+    before, after = broken_edges(rows, part, count), broken_edges(other, part, count)
+    return against & ~((after > 0) & (before <= after))[part]
+
+
+def broken_edges(rows: NDArray[np.int64], part: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """At how many edges of each part just two triangles meet and run in the same direction."""
+    place, _, size = side_groups(rows)
+    ends = rows.ravel()
+    last = np.cumsum(size)[size == 2] - 1
+    one, two = place[last - 1], place[last]
+    return np.bincount(part[one[ends[one] == ends[two]] // 3], minlength=count)

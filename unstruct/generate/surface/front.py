@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...base.arguments import DEFAULT_BUDGET, as_count, as_flag, finite
 from ...base.errors import IncompleteWarning, InputError
-from ...domain.given_surface import USUAL_SHARP, GivenSurface, given_surface
+from ...domain.given_surface import USUAL_SHARP, GivenSurface, directed, given_surface
 from ...geometry.embedded import flat_rows
 from ...geometry.support import Support
 from ...mesh.domain_mesh import DomainMesh, noticed
@@ -80,7 +80,7 @@ def surface_front(
     Raises
     ------
     InputError
-        For wrong arguments.
+        For wrong arguments, and if all triangles are flat.
 
     Notes
     -----
@@ -99,7 +99,7 @@ def surface_front(
     field, budget, improve = as_size(size), as_count(budget, "budget"), as_flag(improve, "improve")
     if not 0.0 < finite(sharp, "sharp") <= 180.0:
         raise InputError(f"sharp must be an angle up to 180 degrees, not {sharp!r}")
-    given = given_surface(surface, sharp if sharp < 180.0 else None)
+    given = directed(given_surface(surface, sharp if sharp < 180.0 else None))
     support = given.support
     why, counts = "", {}
     for attempt, (share, turn) in enumerate(ATTEMPTS):

@@ -29,7 +29,7 @@ from .shapes import (
     add_normal,
     distance_squared,
     middle_distance,
-    nearest_to,
+    nearest_facing,
     settle,
     sharpness,
     star_least,
@@ -42,11 +42,16 @@ __all__ = ["collapse_checked", "collapse_pass", "split_checked", "split_pass"]
 LONG_SHARE, SHORT_SHARE = 4.0 / 3.0, 4.0 / 5.0
 WORST_COLLAPSED = 0.03  # sharpness of ten degrees: triangles around a collapsed edge may become as sharp
 NEARLY_LONGEST = 1.0 + 1e-9
+STILL_SHORTER = 0.9  # of the square of the length of an edge: edges at its new vertex are no longer
 
 
 @lean
 def _longest_near(s, e):
-    """From edge e over longer and longer ones to one that is the longest of its triangles."""
+    """From edge e over longer and longer ones to one that is the longest of its triangles.
+
+    -1 if an edge is longer that must not be split: beside it splits would never end, for the two other sides
+    of a triangle are together at least as long.
+    """
     while True:
         best, length = (
             e,
@@ -57,10 +62,10 @@ def _longest_near(s, e):
             if side < 0:
                 break
             for g in (next_edge(side), prev_edge(side)):
-                if s.curve[g] >= SEAM_CURVES:
-                    continue
                 other = distance_squared(s.xyz, s.vertex[next_edge(g)], s.vertex[prev_edge(g)])
                 if other > length:
+                    if s.curve[g] >= SEAM_CURVES:
+                        return -1
                     best, length = g, NEARLY_LONGEST * other
             side = s.twin[e]
         if best == e:
@@ -69,16 +74,43 @@ def _longest_near(s, e):
 
 
 @lean
+def _shortens(s, m, p, limit):
+    """Whether edges at a new vertex would be short enough at p, or no longer than they are.
+
+    ``limit`` is a part of the square of the length of the edge that was split.
+    """
+    start = first_corner(s, m)
+    c = start
+    while True:
+        for a in (s.vertex[next_edge(c)], s.vertex[prev_edge(c)]):
+            square = 0.0
+            for k in range(3):
+                square += (s.xyz[a, k] - p[k]) ** 2
+            if square > limit and square > distance_squared(s.xyz, a, m):
+                return False
+        c = turned(s.twin, c)
+        if c < 0 or c == start:
+            return True
+
+
+@lean
 def split_checked(work, e):
-    """Split an edge in its middle, which is moved onto the surface unless a triangle would turn over."""
+    """Split an edge in its middle, which is moved onto the surface unless a triangle would turn over.
+
+    Nor is it moved where an edge would not become shorter: where a surface crosses itself, or has another
+    sheet nearby, the nearest point may be an end of the edge, and splits would never end.
+    """
     s = work.sheets
+    limit = STILL_SHORTER * distance_squared(s.xyz, s.vertex[next_edge(e)], s.vertex[prev_edge(e)])
     m = split_edge(s, e)
     p = work.x[0]
     for k in range(3):
         p[k] = s.xyz[m, k]
-    t = settle(work, m, s.kind[m], s.near[m])
     star_normal(s, m, work.ref)
-    if star_least(s, m, p, work.ref, 0.0) >= 0.0:
+    t = settle(work, m, s.kind[m], s.near[m])
+    if not _shortens(s, m, p, limit):
+        work.counts[TOO_FAR] += 1
+    elif star_least(s, m, p, work.ref, 0.0) >= 0.0:
         for k in range(3):
             s.xyz[m, k] = p[k]
     else:
@@ -117,8 +149,10 @@ def split_pass(work, start, most):
                 break
             if work.counts[SPLITS_DONE] >= last or not has_room(s, 1, 2):
                 return e
-            m = split_checked(work, _longest_near(s, e))
-            _flip_around(work, m)
+            longest = _longest_near(s, e)
+            if longest < 0:
+                break
+            _flip_around(work, split_checked(work, longest))
         e += 1
     return -1
 
@@ -182,11 +216,11 @@ def _stays_near(work, e):
         if a != w and b != w:
             for k in range(3):
                 x[0, k] = (s.xyz[w, k] + s.xyz[a, k] + s.xyz[b, k]) / 3.0
-            guess, square = nearest_to(work, guess, within)
-            if square > within:
-                return False
             work.ref[0] = work.ref[1] = work.ref[2] = 0.0
             add_normal(s.xyz, w, a, b, work.ref)
+            guess, square = nearest_facing(work, work.ref, guess, within)
+            if square > within:
+                return False
             facing = 0.0
             for k in range(3):
                 facing += work.ref[k] * held.normals[guess, k]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...base.jit import inline, kernel, lean
 from ...connect.insertion.halfedges import UNUSED, next_edge, prev_edge
-from .shapes import add_normal, distance_squared, middle_distance, nearest_to, sharpness
+from .shapes import add_normal, distance_squared, middle_distance, nearest_facing, sharpness
 
 __all__ = ["FLAT_TRIANGLE", "INVERTED", "TOO_FAR_OFF", "faults_pass", "grade_pass", "lower_pass"]
 
@@ -22,13 +22,16 @@ def _of_middle(work, e, trust):
 
 
 @lean
-def _center_distance(work, t, trust):
-    """The triangle of the given surface near the center of a triangle, and the square of the distance."""
+def _center_distance(work, t, n, trust):
+    """The triangle of the given surface near the center of a triangle, and the square of the distance.
+
+    Only those count that face a direction, if that is not zero and there are any.
+    """
     s, p = work.sheets, work.x[0]
     a, b, c = s.vertex[3 * t], s.vertex[3 * t + 1], s.vertex[3 * t + 2]
     for k in range(3):
         p[k] = (s.xyz[a, k] + s.xyz[b, k] + s.xyz[c, k]) / 3.0
-    return nearest_to(work, s.near[a], trust * s.allowed[a] * s.allowed[a])
+    return nearest_facing(work, n, s.near[a], trust * s.allowed[a] * s.allowed[a])
 
 
 @lean
@@ -57,7 +60,7 @@ def lower_pass(work, start, stop, bound):
                     _lower(s, v, length, square, bound)
                 if s.twin[e] >= 0:
                     _lower(s, s.vertex[s.twin[e]], length, square, bound)
-        _, square = _center_distance(work, t, AIM * AIM)
+        _, square = _center_distance(work, t, work.zero, AIM * AIM)
         for k in range(3):
             _lower(s, s.vertex[3 * t + k], total / 3.0, square, bound)
     return 0
@@ -89,6 +92,13 @@ def _most_allowed(s, t):
     return within * within
 
 
+@inline
+def _along(work, t):
+    """The product of the reference and the normal of a triangle of the given surface."""
+    n = work.held.normals
+    return work.ref[0] * n[t, 0] + work.ref[1] * n[t, 1] + work.ref[2] * n[t, 2]
+
+
 @kernel
 def faults_pass(work, start, stop, fault):
     """Write to ``fault`` (m,), which is 0 before, what is wrong with each triangle."""
@@ -97,7 +107,13 @@ def faults_pass(work, start, stop, fault):
         if s.vertex[3 * t] == UNUSED:
             continue
         a, b, c = s.vertex[3 * t], s.vertex[3 * t + 1], s.vertex[3 * t + 2]
-        near, square = _center_distance(work, t, 1.0)
+        near, square = _center_distance(work, t, work.zero, 1.0)
+        ref[0] = ref[1] = ref[2] = 0.0
+        add_normal(s.xyz, a, b, c, ref)
+        if _along(work, near) < 0.0:  # another sheet that is as near may face as the triangle does
+            facing, square_facing = _center_distance(work, t, ref, 1.0)
+            if square_facing > _most_allowed(s, t) or _along(work, facing) < 0.0:
+                fault[t] |= INVERTED
         if square > _most_allowed(s, t):
             fault[t] |= TOO_FAR_OFF
         for e in range(3 * t, 3 * t + 3):
@@ -108,13 +124,6 @@ def faults_pass(work, start, stop, fault):
                     fault[t] |= TOO_FAR_OFF
                 if f >= 0 and away > _most_allowed(s, f // 3):
                     fault[f // 3] |= TOO_FAR_OFF
-        ref[0] = ref[1] = ref[2] = 0.0
-        add_normal(s.xyz, a, b, c, ref)
-        facing = 0.0
-        for k in range(3):
-            facing += ref[k] * work.held.normals[near, k]
-        if facing < 0.0:
-            fault[t] |= INVERTED
         ref[0] = ref[1] = ref[2] = 0.0
         if sharpness(s.xyz[a], s.xyz, b, c, ref) < FLAT_SHARPNESS:
             fault[t] |= FLAT_TRIANGLE

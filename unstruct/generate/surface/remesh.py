@@ -12,7 +12,7 @@ from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.surface.complex import SurfaceComplex, Taken
 from ...domain.domain import Domain
-from ...domain.given_surface import USUAL_SHARP, GivenSurface, given_surface
+from ...domain.given_surface import USUAL_SHARP, GivenSurface, directed, given_surface
 from ...geometry.edge_vectors import lengths
 from ...geometry.support_features import same_points
 from ...mesh.domain_mesh import DomainMesh, noticed
@@ -118,7 +118,7 @@ def remesh(
     clean = cleaned(surface)
     if onto is not None:
         clean = clean._replace(surface=_true(clean.surface, onto, field, within, most))
-    given = given_surface(clean.surface, sharp)
+    given = directed(given_surface(clean.surface, sharp))
     run, group, seams = _begun(given, field, within, most)
     with progress_bar(progress, " rounds", total=REMESH_ROUNDS) as bar:
         run.run(bar)
@@ -151,8 +151,6 @@ def _begun(
     support = given.support
     rows = support.held.rows
     whole = np.flatnonzero((rows != np.roll(rows, 1, axis=1)).all(axis=1))
-    if not len(whole):
-        raise InputError("all triangles of the surface are degenerate: they have equal corners")
     code = np.zeros(len(rows), dtype=np.int64)
     for values in (*given.names.values(), *given.values.values()):
         both = np.stack([code, np.unique(values, return_inverse=True)[1].ravel()], axis=1)

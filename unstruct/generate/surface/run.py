@@ -41,6 +41,7 @@ LOOSE = 2.25  # the slack of rounds: the end mends what is left too far
 SETTLED = 0.002  # changes per vertex in a round after which no other follows
 MENDS = 5
 UNTANGLED = 4  # times that sizes are halved where triangles cross
+NOT_NEARER = 2.0**-50  # in scaled coordinates, up to 1: what is allowed at least, for vertices are rounded
 PLACES_AT_ONCE = 1 << 17  # places that a kernel looks at in one call
 GROWN = 0.5  # share of spare vertices by which arrays grow
 
@@ -107,6 +108,7 @@ class RemeshRun:
             s.allowed[used] = np.where(coarse > ALLOWED * asked, more, KEPT_TO * ALLOWED * asked)
         else:
             s.allowed[used] = self.deviation * self.support.factor
+        s.allowed[used] = np.maximum(s.allowed[used], NOT_NEARER)
 
     def split(self) -> None:
         """Split edges until all are short enough, or the budget is used up."""

@@ -188,11 +188,23 @@ def nearest_to(work, guess, within):
 
     A walk from the guess is good enough if it ends at no more than this distance squared.
     """
+    return nearest_facing(work, work.zero, guess, within)
+
+
+@lean
+def nearest_facing(work, n, guess, within):
+    """The same among the triangles that face a direction, if there are any.
+
+    Of two sheets of a thin plate that are nearer to each other than what is allowed, it finds the right one.
+    """
     p, held, place = work.x[0], work.held, work.place
-    t = walked(held, p, work.zero, guess, place)
+    t = walked(held, p, n, guess, place)
+    if t < 0:
+        t = nearest_from(held, work.x, 0, n, -1 - t, place, work.stack)
+        return t, _away(work, t)
     square = _away(work, t)
     if square > within:
-        t = nearest_from(held, work.x, 0, work.zero, t, place, work.stack)
+        t = nearest_from(held, work.x, 0, n, t, place, work.stack)
         square = _away(work, t)
     return t, square
 
@@ -213,7 +225,7 @@ def _away(work, t):
 def settle(work, v, kind, guess):
     """Move the candidate to the nearest point of the given surface, or of its curve; the triangle there.
 
-    ``v`` is the vertex for which it is.
+    ``v`` is the vertex for which it is. If it is smooth, ``work.ref`` is the direction of its star.
     """
     p, held, place, s = work.x[0], work.held, work.place, work.sheets
     if kind == ALONG_CURVE:
@@ -223,7 +235,7 @@ def settle(work, v, kind, guess):
             a, b = held.edges[e, 0, k], held.edges[e, 1, k]
             p[k] = a + share * (b - a) if share < 1.0 else b
         return nearest_to(work, guess, TINY_SQUARED)[0]
-    t = nearest_to(work, guess, s.allowed[v] * s.allowed[v])[0]
+    t = nearest_facing(work, work.ref, guess, s.allowed[v] * s.allowed[v])[0]
     for k in range(3):
         a, b, c = held.corners[t, 0, k], held.corners[t, 1, k], held.corners[t, 2, k]
         p[k] = a + (

@@ -1,0 +1,108 @@
+"""Surfaces that broke `remesh` and `surface_delaunay`, as files from elsewhere may have them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import unstruct
+from unstruct import Mesh, remesh
+from unstruct.errors import InputError
+from unstruct.generate.surface.front import surface_front
+
+
+def test_a_surface_of_flat_triangles_has_no_direction() -> None:
+    for points in ([[0, 0, 0], [1, 0, 0], [0.5, 0, 0]], [[0, 0, 0], [1, 1, 1], [3, 3, 3]]):
+        with pytest.raises(InputError, match="degenerate"):
+            remesh(Mesh(points, [[0, 1, 2]]), 0.2)
+        with pytest.raises(InputError, match="degenerate"):
+            surface_front(Mesh(points, [[0, 1, 2]]), 0.2)
+
+
+def test_a_surface_of_one_triangle_has_criteria() -> None:
+    """Three points have no Delaunay mesh in space, and that was an error."""
+    surface = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    for size in (None, 0.2):
+        mesh = unstruct.surface_delaunay(surface, size)
+        assert mesh.complete and unstruct.check(mesh, domain=surface)
+
+
+def box(*sides: float) -> Mesh:
+    points = [[x, y, z] for x in (0, sides[0]) for y in (0, sides[1]) for z in (0, sides[2])]
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    rows = [row for a, b, c, d in quads for row in ((a, b, c), (a, c, d))]
+    return Mesh(np.array(points, dtype=float), np.array(rows))
+
+
+@pytest.mark.parametrize("thickness", [1e-3, 1e-4])
+def test_the_sheets_of_a_thin_plate_stay_apart(thickness: float) -> None:
+    """Vertices of one sheet went to the other one, which is no farther away than what is allowed."""
+    plate = box(1.0, 1.0, thickness)
+    mesh = remesh(plate, 0.1)
+    assert mesh.complete and unstruct.check(mesh, domain=plate) and mesh.size < 3000
+
+
+def strip(n: int = 24, across: int = 4, width: float = 0.3) -> Mesh:
+    """Moebius' strip."""
+    points, rows = [], []
+    for i in range(n):
+        a = 2 * np.pi * i / n
+        for s in np.linspace(-width, width, across):
+            r = 1 + s * np.cos(a / 2)
+            points.append([r * np.cos(a), r * np.sin(a), s * np.sin(a / 2)])
+    for i in range(n):
+        for j in range(across - 1):
+            a, b = i * across + j, i * across + j + 1
+            c, d = (a + across, b + across) if i < n - 1 else (across - 1 - j, across - 2 - j)
+            rows += [[a, c, b], [c, d, b]]
+    return Mesh(np.array(points), np.array(rows))
+
+
+def test_a_strip_with_one_side_keeps_its_seam() -> None:
+    """It was turned another way, with a seam elsewhere, than the surface that check compares it with."""
+    surface = strip()
+    mesh = remesh(surface, 0.15)
+    assert mesh.complete and mesh.counts["turned triangles"] == 0 and unstruct.check(mesh, domain=surface)
+
+
+def test_what_was_turned_and_repeated_passes_the_check() -> None:
+    tetrahedron = [[0, 2, 1], [0, 1, 3], [3, 2, 1], [0, 3, 2], [1, 0, 2]]
+    surface = Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], tetrahedron)
+    mesh = remesh(surface, 0.3)
+    assert mesh.counts["turned triangles"] == mesh.counts["repeated triangles"] == 1
+    report = unstruct.check(mesh, domain=surface)
+    assert report and any(
+        "1 triangles, which count once, and 1 were turned" in note for note in report.passed
+    )
+    broken = Mesh(mesh.points, np.vstack([mesh.simplices[:1, ::-1], mesh.simplices[1:]]))
+    assert not unstruct.check(broken, domain=surface)
+
+
+def test_coordinates_that_are_rounded_more_than_the_usual_deviation() -> None:
+    """It split everything, because rounded vertices are farther away than a hundredth of the size."""
+    tetrahedron = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+    points = 4.0 * np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) + 1e14
+    mesh = remesh(Mesh(points, tetrahedron), 1.0)
+    assert mesh.size < 500
+
+
+def bottle(n: int = 24, around: int = 12) -> Mesh:
+    """Klein's bottle, as a figure eight that turns: it crosses itself."""
+    u, v = np.meshgrid(2 * np.pi * np.arange(n) / n, 2 * np.pi * np.arange(around) / around, indexing="ij")
+    r = 2 + np.cos(u / 2) * np.sin(v) - np.sin(u / 2) * np.sin(2 * v)
+    z = np.sin(u / 2) * np.sin(v) + np.cos(u / 2) * np.sin(2 * v)
+    rows = []
+    for i in range(n):
+        for j in range(around):
+            a, b = i * around + j, i * around + (j + 1) % around
+            c, d = a + around, b + around
+            if i == n - 1:
+                c, d = -j % around, (-j - 1) % around
+            rows += [[a, c, b], [c, d, b]]
+    return Mesh(np.stack([r * np.cos(u), r * np.sin(u), z], axis=2).reshape(-1, 3), np.array(rows))
+
+
+def test_a_surface_that_crosses_itself_is_not_split_without_end() -> None:
+    """Beside edges of more than two triangles, which stay, it split others without end where sizes fell."""
+    mesh = remesh(bottle(), 0.4)
+    assert mesh.size < 100_000 and any("crosses" in reason for reason in mesh.reasons)
