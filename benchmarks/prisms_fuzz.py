@@ -4,7 +4,8 @@
 noisy balls, boxes with notches, pairs of bodies beside and within each other, by seed. Each mesh is judged by
 `check`, by the exact signs of its wedges, by fractions for some of them, and by a search for edges of its
 boundary that meet triangles of it. ``--spoiled 200`` opens, crosses, doubles, turns and tears good surfaces,
-which must be refused with the name of a part that was spoiled.
+which must be refused with the name of a part that was spoiled. ``--several`` asks for several rays at sharp
+creases, and that the least scaled Jacobian of no mesh is lower than with one ray.
 """
 
 from __future__ import annotations
@@ -166,7 +167,13 @@ def crossings(points: Array, triangles: Triangles) -> int:
 
 def skin(mesh: Any) -> Triangles:
     """The base and the cap, as triangles, each once."""
-    rows = np.concatenate([np.asarray(mesh.faces), mesh.steps["cap"]]).astype(np.int32)
+    from unstruct.mesh.split import simplices_of_cells
+
+    cap = mesh.steps["cap"]
+    if cap.shape[1] == 4:
+        quads = cap[:, 3] >= 0
+        cap = np.concatenate([cap[~quads, :3], simplices_of_cells({"quad": cap[quads]})[0]])
+    rows = np.concatenate([np.asarray(mesh.faces), cap]).astype(np.int32)
     return rows[np.unique(np.sort(rows, axis=1), axis=0, return_index=True)[1]]
 
 
@@ -198,6 +205,7 @@ def judged(mesh: Any, seed: int = 0) -> dict[str, Any]:
         "full": float(mesh.figures["share of full heights"]),
         "counts": {name: int(n) for name, n in mesh.counts.items()},
         "reasons": dict(Counter(mesh.steps["reason"].tolist())),
+        "lower": 0,
     }
 
 
@@ -215,7 +223,8 @@ def _least_jacobians(x: Array) -> Array:
     return least
 
 
-FAULTS = ("inverted", "not positive inside", "fractions disagree", "crossings", "check")
+FAULTS = ("inverted", "not positive inside", "fractions disagree", "crossings", "check", "lower")
+SAME_LEAST = 1.0 - 1e-12
 
 
 def run(seeds: range, options: dict[str, Any] | None = None, tell: bool = True) -> list[dict[str, Any]]:
@@ -240,12 +249,28 @@ def run(seeds: range, options: dict[str, Any] | None = None, tell: bool = True) 
                 mesh = prismatic_layers(given.domain, layers=given.layers, **chosen)
             row["seconds"] = time.process_time() - begin
             row |= judged(mesh, seed)
+            if chosen.get("several"):
+                row |= _compared(given, mesh, chosen)
         except UnstructError as error:
             row["refused"] = str(error)
         rows.append(row)
         if tell and any(row.get(fault) for fault in FAULTS):
             print("FAULT", {key: row[key] for key in ("name", *FAULTS)}, given.options, flush=True)
     return rows
+
+
+def _compared(given: Task, mesh: Any, options: dict[str, Any]) -> dict[str, Any]:
+    """Whether a mesh with several rays is worse than that with one, and the ratio where there are any."""
+    import warnings
+
+    from unstruct import prismatic_layers
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        one = prismatic_layers(given.domain, layers=given.layers, **options | {"several": False})
+    before, after = (float(m.quality("scaled_jacobian").min()) for m in (one, mesh))
+    some = mesh.counts["creases with fans"] > 0
+    return {"lower": int(after < SAME_LEAST * before)} | ({"ratio": after / before} if some else {})
 
 
 def summary(rows: list[dict[str, Any]]) -> str:
@@ -270,6 +295,10 @@ def summary(rows: list[dict[str, Any]]) -> str:
                  f"hidden rays: {sum(r['counts'].get('hidden', 0) for r in made)}, collapsed columns: "
                  f"{sum(r['counts'].get('collapsed', 0) for r in made)}; "
                  f"slowest {max(r['seconds'] for r in made):.2f} s")  # fmt: skip
+    ratios = [row["ratio"] for row in made if "ratio" in row]
+    if ratios:
+        lines.append(f"several rays on {len(ratios)} bodies, the least scaled Jacobian times "
+                     f"{np.median(ratios):.3f} (median), {max(ratios):.3g} at most")  # fmt: skip
     return "\n".join(lines)
 
 
@@ -281,9 +310,11 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--spoiled", type=int, default=200)
+    parser.add_argument("--several", action="store_true")
     options = parser.parse_args(arguments)
+    more = {"several": True, "stop": "squeeze"} if options.several else None
     if options.count:
-        print(summary(run(range(options.first, options.first + options.count))))
+        print(summary(run(range(options.first, options.first + options.count), more)))
     if options.spoiled:
         print(spoiled_summary(options.spoiled))
 

@@ -1,10 +1,10 @@
 """The work ``remeshing`` of the suite ``surface``: surfaces remeshed to a size beside pymeshlab.
 
 *sphere*, *torus*: even triangles, smaller than the size. *implicit body*: what marching cubes of PyVista make
-of a level set, slivers and all. *plate with holes*: a flat body as CAD systems write it, triangles from
-hole to hole and needles along the walls; its creases are to be kept. pymeshlab remeshes in ten rounds, with the same
-angle of creases, and moves its points back onto the given surface. Our time has the distances, the exact test
-for crossings and all other accounts in it.
+of a level set, slivers and all. *plate with holes*: a flat body as CAD systems write it, triangles from hole
+to hole and needles along the walls; its creases are to be kept. pymeshlab remeshes in ten rounds, with the
+same angle of creases, and moves its points back onto the given surface. Our time has the distances, the exact
+test for crossings and all other accounts in it.
 
 Distances are measured for both alike, at samples, both ways, in sizes. ``corners`` is how far a corner of the
 creases is from the nearest vertex.

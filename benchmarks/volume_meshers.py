@@ -78,7 +78,7 @@ def _tetgen(quality: str) -> Callable[[], Callable[[Given], Meshed]]:
     return prepare
 
 
-def _gmsh(algorithm: int, netgen: int) -> Callable[[], Callable[[Given], Meshed]]:
+def gmsh_in_space(algorithm: int, netgen: int) -> Callable[[], Callable[[Given], Meshed]]:
     def prepare() -> Callable[[Given], Meshed]:
         import gmsh
 
@@ -115,7 +115,7 @@ def _gmsh(algorithm: int, netgen: int) -> Callable[[], Callable[[Given], Meshed]
     return prepare
 
 
-def _netgen() -> Callable[[Given], Meshed]:
+def netgen_in_space() -> Callable[[Given], Meshed]:
     from netgen.meshing import FaceDescriptor, Mesh, MeshingParameters
 
     def run(given: Given) -> Meshed:
@@ -137,10 +137,10 @@ MESHERS = [
         for name, package, prepare in (
             ("unstruct", "unstruct", _ours(True)),
             ("TetGen pYq1.2a", "tetgen", _tetgen("q1.2")),
-            ("Gmsh Delaunay", "gmsh", _gmsh(1, 0)),
-            ("Gmsh HXT", "gmsh", _gmsh(10, 0)),
-            ("Gmsh + Netgen", "gmsh", _gmsh(1, 1)),
-            ("Netgen", "netgen-mesher", _netgen),
+            ("Gmsh Delaunay", "gmsh", gmsh_in_space(1, 0)),
+            ("Gmsh HXT", "gmsh", gmsh_in_space(10, 0)),
+            ("Gmsh + Netgen", "gmsh", gmsh_in_space(1, 1)),
+            ("Netgen", "netgen-mesher", netgen_in_space),
         )
         if work != "graded" or package in ("unstruct", "gmsh")  # the others take no formula
     ),

@@ -112,7 +112,7 @@ def start(case: dict) -> dict[str, float]:
 
 def meshed(case: dict) -> list[dict]:
     """One row for each mesher of a work, with the quality of its mesh; all run in turn, ``repeats`` times."""
-    from . import front, layers, meshers, planar, prisms, small, surface, tree, volume
+    from . import front, layers, meshers, planar, prisms, small, space_front, surface, tree, volume
     from .quality import measures
 
     work, n = case["work"], case["n"]
@@ -122,6 +122,7 @@ def meshed(case: dict) -> list[dict]:
         "front": front,
         "layers": layers,
         "prisms": prisms,
+        "space_front": space_front,
         "tree": tree,
         "volume": volume,
     }

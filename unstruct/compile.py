@@ -68,7 +68,7 @@ def _body_points() -> None:
     unstruct.voronoi_segment(body, 0.6)
 
 
-def _surfaces() -> None:
+def _delaunay_surfaces() -> None:
     surface = unstruct.Mesh(_ball().points, _ball().facets)
     unstruct.check(unstruct.surface_delaunay(surface), domain=surface)
     unstruct.surface_delaunay(surface, 0.5)
@@ -111,6 +111,16 @@ def _fronts() -> None:
     unstruct.advancing_front(_ring(), 0.5)
     unstruct.advancing_front(_ring(), _grid)
     unstruct.front_delaunay(_ring(), 0.5)
+
+
+def _fronts_in_space() -> None:
+    body = unstruct.Domain.box((0, 0, 0), (1, 1, 1))
+    unstruct.advancing_front(body, 0.6, method="classical")
+    unstruct.advancing_front(body, _grid, method="classical", finish=False)
+    unstruct.advancing_front(unstruct.examples.stuck_body(), 2.0, method="classical", finish=False)
+    unstruct.front_delaunay(body, [[0.4, 0.5, 0.6], [0.5, 0.3, 0.4]])
+    unstruct.advancing_front(body, 0.6)
+    unstruct.advancing_front(body, _grid, history=True)
 
 
 def _metrics() -> None:
@@ -174,6 +184,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "points in bodies": _body_points,
     "Voronoi segments": _segments,
     "advancing fronts": _fronts,
+    "advancing fronts in space": _fronts_in_space,
     "metrics": _metrics,
     "insertion": _insert,
     "gift wrapping": _gift_wrap,
@@ -183,7 +194,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "circumcenters": _circumcenters,
     "smoothing": _smooth,
     "trees": _trees,
-    "surfaces": _surfaces,
+    "Delaunay surfaces": _delaunay_surfaces,
     "sizes": _sizes,
     "surfaces": _surfaces,
     "higher dimensions": _many_dimensions,

@@ -6,8 +6,18 @@ from itertools import product
 
 import numpy as np
 import pytest
+from random_bodies import boolean
 
-from unstruct import Domain, DomainMesh, Mesh, check, constrained_delaunay, delaunay, tetrahedralize
+from unstruct import (
+    Domain,
+    DomainMesh,
+    Mesh,
+    advancing_front,
+    check,
+    constrained_delaunay,
+    delaunay,
+    tetrahedralize,
+)
 
 CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
 SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
@@ -75,6 +85,45 @@ def test_new_vertices_lie_on_their_facets() -> None:
     assert "off the facet" in kinds(meshed(box(), lifted), box())
     nearly = [(0.5, 0.5, -(2.0**-52)), *EXTRA[1:]]
     assert "off the facet" not in kinds(meshed(box(), nearly), box())
+
+
+NEEDLE = 2.5e-4  # the height of the thinnest triangles of boolean(21), by the extent; 5e-4 for boolean(25)
+
+
+def in_needles(height: float) -> Domain:
+    """A turned box, one side of which is cut into triangles, one with a small height on a long edge."""
+    turn = np.linalg.qr(np.random.default_rng(21).normal(size=(3, 3)))[0]
+    points = np.vstack([CORNERS, [[0.4, height, 0.0]]])
+    return Domain(points @ turn.T / 2, [(8, 0, 2), (8, 2, 6), (8, 6, 4), (8, 4, 0), *SIDES[:4], SIDES[5]])
+
+
+@pytest.mark.parametrize("height", [NEEDLE, 1e-6])
+def test_vertices_on_needles_are_measured_without_loss(height: float) -> None:
+    """As in boolean(21) and boolean(25): the rounded normal of a needle misses points on its long edges."""
+    body = in_needles(height)
+    for mesh in (
+        tetrahedralize(body, 0.25, split_boundary=True),
+        advancing_front(body, 0.25, split_boundary=True),
+    ):
+        assert ((np.asarray(mesh.origin)[mesh.faces] < 0).any(axis=1) & (mesh.face_piece == 3)).any()
+        assert check(mesh, domain=body)
+        moved = mesh.points.copy()
+        edge = body.points[[0, 4]]
+        along = (moved - edge[0]) @ (edge[1] - edge[0]) / ((edge[1] - edge[0]) ** 2).sum()
+        beside = np.abs(moved - edge[0] - along[:, None] * (edge[1] - edge[0])).max(axis=1) < 1e-12
+        new = np.flatnonzero(beside & (np.asarray(mesh.origin) < 0))
+        moved[new[0]] += 1e-13 * (body.points[0] - body.points[1])
+        mesh.points = moved
+        off = [p.vertices for p in check(mesh, domain=body).problems if p.kind == "off the facet"]
+        assert off == [(new[0],)]
+
+
+@pytest.mark.parametrize("seed", [21, 25])
+def test_booleans_with_needles(seed: int) -> None:
+    pytest.importorskip("manifold3d")
+    body = Domain(*boolean(seed))
+    size = float(np.ptp(body.points, axis=0).max()) / 3
+    assert check(tetrahedralize(body, size, split_boundary=True), domain=body)
 
 
 def test_a_smaller_body_is_not_this_one() -> None:

@@ -203,6 +203,33 @@ def test_named_edges_and_vertices_exactly() -> None:
     assert support.features[found].tolist() == [0, 2], "the nearest of all curves"
 
 
+@settings(deadline=None, max_examples=12)
+@given(st.integers(0, 2**32), st.integers(1, 9), st.integers(1, 9), st.sampled_from([-300, 0, 300]))
+def test_distances_beside_fractions(seed: int, count: int, many: int, exponent: int) -> None:
+    """The largest distance at samples of each triangle, both ways, and of all, by every pair in fractions."""
+    points, triangles = soup(seed, count)
+    x, rows = soup(seed + 1, many)
+    support, step = Support(np.ldexp(points, exponent), triangles), 3.0
+    found = support.distances(np.ldexp(x, exponent), rows, np.ldexp(step, exponent))
+    for corners, others, away in (
+        (x[rows], points[triangles], found[0]),
+        (points[triangles], x[rows], found[1]),
+    ):
+        for corner, mine in zip(corners, np.ldexp(away, -exponent)):
+            sides = corner - np.roll(corner, 1, axis=0)
+            k = max(1, int(np.ceil(np.sqrt((sides**2).sum(axis=1)).max() / step)))
+            shares = [(i, j, k - i - j) for i in range(k + 1) for j in range(k + 1 - i)]
+            exact = [[Fraction(int(v)) for v in row] for row in corner]
+            samples = [
+                [sum(s * c for s, c in zip(share, side)) / k for side in zip(*exact)] for share in shares
+            ]
+            samples.append([sum(side) / Fraction(3) for side in zip(*exact)])
+            wanted = max(min(nearest_squared(p, list(t)) for t in others.tolist()) for p in samples)
+            assert mine == pytest.approx(float(wanted) ** 0.5, rel=1e-12, abs=1e-14)
+    whole = support.deviation(np.ldexp(x, exponent), rows, np.ldexp(step, exponent))
+    assert whole == tuple(away.max() for away in found)
+
+
 def test_deviation_both_ways() -> None:
     """A cap that is missing is seen one way, a tent that is too much the other."""
     support = Support(SQUARE, [[0, 1, 2], [0, 2, 3]])

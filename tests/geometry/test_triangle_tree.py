@@ -36,3 +36,16 @@ def test_places_by_hand() -> None:
     assert weights[:4] == pytest.approx(
         np.array([[0.5, 0.25, 0.25], [0.5, 0.5, 0], [0, 0.5, 0.5], [1, 0, 0]])
     )
+
+
+@pytest.mark.parametrize("height", [1e-3, 1e-4, 1e-6, 1e-8])
+def test_points_in_needles_are_found_where_they_are(height: float) -> None:
+    """The weights in a needle have large rounding errors at first, by which its points were off before."""
+    rng = np.random.default_rng(21)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    for corner in range(3):
+        needle = np.roll(np.array([[0, 0, 0], [1, 0, 0], [0.5, height, 0]]), corner, axis=0) @ turn.T / 2
+        x = rng.dirichlet([1, 1, 1], 500) @ needle
+        _, weights = TriangleTree(needle[None]).nearest(x)
+        found = (needle[None] * weights[..., None]).sum(axis=1)
+        assert (weights >= 0).all() and np.abs(found - x).max() < 8 * 2.0**-53

@@ -145,6 +145,26 @@ def prismatic_layers() -> Arrays:
 
 
 @case
+def several_rays() -> Arrays:
+    """Around a sharp rim: hexahedra up to a cap with quadrilaterals, tetrahedra, and pyramids in a box."""
+    half = [(4.0, 0.0), (3.0, 3.0), (0.0, 4.0), (-3.0, 3.0)]
+    rim = half + [(-x, -y) for x, y in half]
+    ends, k, many = [(0.0, 0.0, 0.5), (0.0, 0.0, -0.5)], np.arange(8), np.full(8, 8)
+    over, under = np.column_stack([k, (k + 1) % 8, many]), np.column_stack([(k + 1) % 8, k, many + 1])
+    body = Domain(np.array([(*p, 0.0) for p in rim] + ends), np.vstack([over, under]))
+    box = Domain.box((-9, -9, -9), (9, 9, 9)).with_holes(body)
+    layers = unstruct.Layers(thickness=3.0, count=2)
+    for domain, options in (
+        (body, {}),
+        (body, {"cells": "tetrahedron"}),
+        (box, {"size": 9.0, "walls": list(range(len(box.facets) - len(body.facets), len(box.facets)))}),
+    ):
+        mesh = unstruct.prismatic_layers(domain, layers=layers, several=True, **options)
+        yield mesh.points
+        yield from mesh.cells.values()
+
+
+@case
 def delaunay() -> Arrays:
     for d, n in ((2, 3000), (3, 800), (4, 120), (5, 40)):
         yield from of(unstruct.delaunay(points(n, d)))

@@ -143,3 +143,17 @@ def test_refused(values: dict, text: str) -> None:
 def test_repr() -> None:
     assert repr(Layers(first=1e-3, growth=1.2)) == "<Layers: first=0.001, growth=1.2, geometric>"
     assert "count=4" in repr(Layers(first=1.0, count=4))
+
+
+def test_functions_that_raise_are_told_with_the_place() -> None:
+    def fails(x: np.ndarray) -> np.ndarray:
+        if (x[:, 0] > 2).any():
+            raise ZeroDivisionError("no height here")
+        return 0.1 + 0 * x[:, 0]
+
+    places = np.array([[0.0, 1.0], [1.0, 1.0], [3.0, 1.0], [4.0, 1.0]])
+    with pytest.raises(InputError, match=r"function for first raised ZeroDivisionError \(no height here\) at "
+                       r"place 2 = \[3.0, 1.0\]"):  # fmt: skip
+        Layers(first=fails, growth=1.2, count=4).cumulative(at=places)
+    with pytest.raises(InputError, match="function of shares raised KeyError"):
+        Layers(count=4, thickness=1.0, function=lambda s: {}[0])

@@ -22,6 +22,7 @@ from ..mesh.split import simplices_of_cells
 from ..predicates.batch import orient_rows
 from .body import check_body
 from .brute import check_brute
+from .covering import check_covering
 from .mixed import array_faults, check_mixed, rows_as_triangles
 from .pinches import pinch_points
 from .region import check_domain
@@ -88,6 +89,10 @@ def check(
     components of both and their Euler characteristics agree; no two triangles meet but in common vertices
     and edges (exact); all cells face as the surface does; the distances of each from the other, measured at
     samples; names.
+
+    Cells of other kinds in space do not overlap if all Jacobians are positive, the faces of the boundary,
+    bilinear ones too, meet in common corners and edges alone, and their outer sides are outside: proved in
+    `unstruct.assess.covering`. Bilinear faces that are too near each other to be told apart are problems.
 
     The Delaunay test looks at each interior facet only: by Delaunay's theorem (1934; Shewchuk, *General-
     dimensional constrained Delaunay and constrained regular triangulations*, 2008) locally empty spheres
@@ -331,27 +336,28 @@ def _overlap(mesh: Mesh, report: Report, *, everything: bool) -> None:
 
 
 def _by_simplices(mesh: Mesh, domain: Domain | None, brute: bool | None, report: Report) -> None:
-    """Cut cells into simplices and apply to these what is decided for simplices only; report the cells."""
+    """Cut cells into simplices and apply to these what is decided for simplices only; report the cells.
+
+    That solids do not overlap is proved without this, whether they can be cut or not.
+    """
     if mesh.dimension == 2 and domain is None:
         return
     rows, owner = simplices_of_cells(mesh.cells)
     turned = np.unique(owner[orient_rows(mesh.points, rows) <= 0])
-    if len(turned):
-        report.skipped.append(
-            f"{'overlap' if mesh.dimension == 3 else 'the domain'}, which needs cells that can be cut into "
-            f"positive simplices from their lowest vertices; cells {turned[:8].tolist()} cannot "
-            f"({len(turned)} in all)"
-        )
-        return
-    parts = _as_simplices(mesh, rows, owner)
-    found = Report(report.title)
-    if mesh.dimension == 3:
-        valid = _local_overlap(RidgeFans(parts.points, parts.simplices, parts.neighbors), found)
-        if valid:
+    parts, found = _as_simplices(mesh, rows, owner) if not len(turned) else None, Report(report.title)
+    if mesh.dimension == 3 and parts is not None:
+        if _local_overlap(RidgeFans(parts.points, parts.simplices, parts.neighbors), found):
             everything = len(mesh.points) * parts.size <= BRUTE_LIMIT if brute is None else brute
             _overlap(parts, found, everything=everything)
-    if domain is not None:
+    if mesh.dimension == 3 and found:
+        check_covering(mesh, report)
+    if domain is not None and parts is not None:
         (check_domain if domain.dimension == 2 else check_body)(parts, domain, found)
+    elif domain is not None:
+        report.skipped.append(
+            "the domain, which needs cells that can be cut into positive simplices from their lowest "
+            f"vertices; cells {turned[:8].tolist()} cannot ({len(turned)} in all)"
+        )
     report.passed += found.passed
     report.skipped += found.skipped
     report.problems += [

@@ -34,6 +34,7 @@ from .running import two_triangulations as two_triangulations
 from .structured import graded_line as graded_line
 from .structured import ring_grid as ring_grid
 from .structured import tensor_grid as tensor_grid
+from .stuck_fronts import stuck_body as stuck_body
 from .surfaces import level_surface as level_surface
 from .surfaces import meshed_sides as meshed_sides
 
@@ -66,6 +67,7 @@ __all__ = [
     "running_region",
     "running_size",
     "sphere",
+    "stuck_body",
     "sweep_triangulation",
     "tensor_grid",
     "torus",

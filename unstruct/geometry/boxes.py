@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..base.jit import inline, kernel
 
-__all__ = ["BOXES_IN_LEAF", "BoxTree", "bounding_boxes"]
+__all__ = ["BOXES_IN_LEAF", "BoxTree", "bounding_boxes", "square_to_box"]
 
 
 BOXES_IN_LEAF = 4  # boxes in a leaf of the tree
@@ -23,6 +23,15 @@ def _touch(low, high, other_low, other_high):
         if low[j] > other_high[j] or high[j] < other_low[j]:
             return False
     return True
+
+
+@inline
+def square_to_box(x, y, z, low, high, w):
+    """The squared distance of a point in space from box w; infinite if it is empty."""
+    u = max(low[w, 0] - x, x - high[w, 0], 0.0)
+    v = max(low[w, 1] - y, y - high[w, 1], 0.0)
+    s = max(low[w, 2] - z, z - high[w, 2], 0.0)
+    return u * u + v * v + s * s
 
 
 class Boxes(NamedTuple):

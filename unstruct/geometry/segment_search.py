@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.jit import inline, kernel, lean
+from ..base.jit import apart, inline, kernel
 
-__all__ = ["Packed", "depth_of", "first_in", "pack", "search"]
+__all__ = ["Packed", "Searched", "depth_of", "first_in", "pack", "search"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -32,6 +32,23 @@ class Packed(NamedTuple):
     boxes: Array
     sides: Array
     order: Integers
+
+
+class Searched(NamedTuple):
+    """A tree, a growth, and room for a search, for kernels that call `search`: its arguments between both.
+
+    Attributes
+    ----------
+    factor : float
+    packed : Packed
+    growth : float
+    waiting : (128,) int64 and (128,) float64
+    """
+
+    factor: float
+    packed: Packed
+    growth: float
+    waiting: tuple[Integers, Array]
 
 
 @inline
@@ -213,7 +230,7 @@ def _answer(point, packed, numbers, home, known, waiting):
     return best
 
 
-@lean
+@apart
 def search(x, factor, packed, growth, waiting, best, which):
     """Lower best[q] to the minimum over i of weight + growth * distance(x[q], segment i); which[q] is that i.
 

@@ -15,7 +15,7 @@ from ..base.arrays import as_points
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
 from ..predicates.batch import power_of_two
-from .segment_search import Packed, depth_of, first_in, pack, search
+from .segment_search import Packed, Searched, depth_of, first_in, pack, search
 
 __all__ = ["SegmentTree", "to_box", "to_segment"]
 
@@ -255,12 +255,16 @@ class SegmentTree:
         if points.shape[1] != self.segments.shape[2]:
             raise InputError(f"x must have shape (k, {self.segments.shape[2]}), not {points.shape}")
         which = np.empty(len(points), dtype=np.int64)
-        waiting = np.empty(128, dtype=np.int64), np.empty(128)
         places = np.ascontiguousarray(points)
         if places.shape[1] != 2:  # in the plane they are scaled as they are read
             places = places * self.factor
-        search(places, self.factor, self.packed, growth / self.factor, waiting, best, which)
+        search(places, *self.searched(growth), best, which)
         return which
+
+    def searched(self, growth: float) -> Searched:
+        """What kernels need to search on their own."""
+        waiting = np.empty(128, dtype=np.int64), np.empty(128)
+        return Searched(self.factor, self.packed, growth / self.factor, waiting)
 
     def distance(self, x: ArrayLike) -> Array:
         """The distance from each point (k, d) to the nearest segment, shape (k,)."""

@@ -11,12 +11,11 @@ from numpy.typing import ArrayLike, NDArray
 from ..base.arguments import finite
 from ..base.arrays import as_points, frozen
 from ..base.errors import InputError
-from ..base.jit import kernel
 from ..predicates.batch import power_of_two
 from .boxes import BoxTree, bounding_boxes
+from .farthest_samples import Sampled, Sought, farthest_samples
 from .support_features import features_of, same_points, unit_normals
 from .support_walk import Held, chain_rows, nearest_rows
-from .triangle_tree import TriangleTree
 
 __all__ = ["Support"]
 
@@ -182,21 +181,18 @@ class Support:
         within step / √3 of a sample, and the distance from a set changes no faster than the point moves: the
         true values are larger by step / √3 at most, if the step could be kept.
         """
-        there, back = self.distances(points, triangles, step)
-        return float(there.max()), float(back.max())
+        there, _, back, _ = self._measured(points, triangles, step, False)
+        return there, back
 
-    def samples(
-        self, points: ArrayLike, triangles: ArrayLike, step: float | None = None
-    ) -> tuple[Array, tuple[Array, NDArray[np.int64]], tuple[Array, NDArray[np.int64]]]:
-        """Where `deviation` measures: the corners of the mesh (t, 3, 3), samples on it, and on the surface.
-
-        All in scaled coordinates. Samples come with the places where those of each triangle begin.
-        """
+    def _cut(
+        self, points: ArrayLike, triangles: ArrayLike, step: float | None
+    ) -> tuple[Array, list[NDArray[np.int64]]]:
+        """The corners of the mesh, in scaled coordinates; into how many parts sides of both are cut."""
         x = _in_space(points, "points")
         rows = _rows(triangles, 3, "triangles", len(x))
         if len(rows) == 0:
             raise InputError("the mesh needs at least one triangle")
-        mesh, own = x[rows] * self.factor, self.held.corners
+        mesh, own = np.ascontiguousarray(x[rows] * self.factor), self.held.corners
         longest = [_longest(mesh), _longest(own)]
         if step is None:
             wanted = float(_sum_of_sides(mesh) / (3 * len(mesh))) / 2
@@ -204,22 +200,29 @@ class Support:
             wanted = finite(step, "step") * self.factor
         if not wanted > 0.0:
             wanted = max(float(longest[0].max()), float(longest[1].max()), 1e-300)
-        parts = _parts(longest, wanted)
-        return mesh, _samples(mesh, parts[0]), _samples(own, parts[1])
+        return mesh, _parts(longest, wanted)
 
     def distances(
         self, points: ArrayLike, triangles: ArrayLike, step: float | None = None
     ) -> tuple[Array, Array]:
         """The same for each triangle of the mesh, (t,), and for each of the surface, (m,)."""
-        mesh, (samples, ends), others = self.samples(points, triangles, step)
-        own = self.held.corners
-        which = np.full(len(samples), -1, dtype=np.int64)
-        places = np.zeros((len(samples), 3))
-        nearest_rows(self.held, samples, np.zeros(samples.shape), which, places)
-        there = _farthest(samples, own[which], places, ends)
-        samples, ends = others
-        which, places = TriangleTree(mesh).nearest(samples)
-        return there / self.factor, _farthest(samples, mesh[which], places, ends) / self.factor
+        _, there, _, back = self._measured(points, triangles, step, True)
+        return there, back
+
+    def _measured(
+        self, points: ArrayLike, triangles: ArrayLike, step: float | None, each: bool
+    ) -> tuple[float, Array, float, Array]:
+        """The largest distance of the mesh, those of its triangles; the same of the surface."""
+        mesh, parts = self._cut(points, triangles, step)
+        held, tree = self.held, BoxTree(*bounding_boxes(mesh))
+        found: list = []
+        sides = (mesh, tree.low, tree.high, tree.order), (held.corners, held.low, held.high, held.order)
+        for (corners, _, _, order), number, (others, low, high, rank) in zip(sides, parts, sides[::-1]):
+            far = np.empty(len(corners))
+            sought = Sought(others[rank], low, high)
+            most = farthest_samples(Sampled(corners, number, order), sought, each, far)
+            found += [float(np.sqrt(most)) / self.factor, np.sqrt(far) / self.factor]
+        return found[0], found[1], found[2], found[3]
 
     def _at(self, rows: np.ndarray, weights: Array) -> Array:
         """Points of given weights; those of weight 1 are vertices exactly."""
@@ -304,37 +307,3 @@ def _parts(longest: list[Array], step: float) -> list[NDArray[np.int64]]:
         ):
             return cuts
         step *= 1.5
-
-
-@kernel
-def _spread(corners, parts, samples):
-    """Write the center and the points of a regular grid in each triangle."""
-    count = 0
-    for t in range(corners.shape[0]):
-        k = parts[t]
-        for m in range(3):
-            samples[count, m] = (corners[t, 0, m] + corners[t, 1, m] + corners[t, 2, m]) / 3.0
-        count += 1
-        for i in range(k + 1):
-            for j in range(k + 1 - i):
-                for m in range(3):
-                    samples[count, m] = (
-                        i * corners[t, 0, m] + j * corners[t, 1, m] + (k - i - j) * corners[t, 2, m]
-                    ) / k
-                count += 1
-
-
-def _samples(corners: Array, parts: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
-    """The samples of all triangles, one after the other, and where those of each begin."""
-    ends = np.cumsum((parts + 1) * (parts + 2) // 2 + 1)
-    samples = np.empty((int(ends[-1]), 3))
-    _spread(np.ascontiguousarray(corners), parts, samples)
-    return samples, np.append(0, ends[:-1])
-
-
-def _farthest(samples: Array, corners: Array, weights: Array, starts: NDArray[np.int64]) -> Array:
-    """The largest distance between samples and points of triangles with these weights, for each group."""
-    away = samples - (
-        corners[:, 0] * weights[:, :1] + corners[:, 1] * weights[:, 1:2] + corners[:, 2] * weights[:, 2:]
-    )
-    return np.maximum.reduceat(np.sqrt(away[:, 0] ** 2 + away[:, 1] ** 2 + away[:, 2] ** 2), starts)

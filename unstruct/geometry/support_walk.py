@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.jit import apart, inline, kernel
-from .boxes import BOXES_IN_LEAF
+from .boxes import BOXES_IN_LEAF, square_to_box
 from .segment_tree import to_box
-from .triangle_tree import onto
+from .triangle_tree import onto, square_to_triangle
 
 __all__ = [
     "WAITING_BOXES",
@@ -124,6 +124,8 @@ def walked(held, p, n, t, place):
                 continue
             if good and other >= 0 and not _is_in(rows, s, other):
                 continue
+            if good and square_to_triangle(p[0], p[1], p[2], held.corners, s) >= best:
+                continue
             square = onto(p, held.corners[s], trial)
             if square < best or not good:
                 best, t, good, moved = square, s, True, True
@@ -133,36 +135,44 @@ def walked(held, p, n, t, place):
     return t if good else -1 - t
 
 
-@kernel
+@apart
 def _searched(held, x, q, n, t, best, place, stack):
-    """The triangle nearest to point x[q] of those that face n and are nearer than sqrt(best), else t."""
-    low, high, order = held.low, held.high, held.order
-    leaves, trial = low.shape[0] // 2, place[3:]
-    stack[0], size = 1, 1
-    while size > 0:
-        size -= 1
-        w = stack[size]
-        if to_box(x, q, low, high, w) ** 2 >= best:
-            continue
-        if w >= leaves:
-            first = (w - leaves) * BOXES_IN_LEAF
-            for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
-                if not _admitted(held.normals, order[k], n):
-                    continue
-                square = onto(x[q], held.corners[order[k]], trial)
-                if square < best:
-                    best, t = square, order[k]
-                    place[0], place[1], place[2] = trial[0], trial[1], trial[2]
-            continue
-        one, two = 2 * w, 2 * w + 1
-        if to_box(x, q, low, high, one) < to_box(x, q, low, high, two):
-            one, two = two, one
-        stack[size], stack[size + 1] = one, two
-        size += 2
+    """The triangle nearest to point x[q] of those that face n and are nearer than sqrt(best), else t.
+
+    If t is -1 and none faces n, then all count.
+    """
+    low, high, order, corners, trial = held.low, held.high, held.order, held.corners, place[3:]
+    leaves, px, py, pz = low.shape[0] // 2, x[q, 0], x[q, 1], x[q, 2]
+    for everyone in range(2):
+        stack[0], size = 1, 1
+        while size > 0:
+            size -= 1
+            w = stack[size]
+            if square_to_box(px, py, pz, low, high, w) >= best:
+                continue
+            if w >= leaves:
+                first = (w - leaves) * BOXES_IN_LEAF
+                for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
+                    if everyone == 0 and not _admitted(held.normals, order[k], n):
+                        continue
+                    if square_to_triangle(px, py, pz, corners, order[k]) >= best:
+                        continue
+                    square = onto(x[q], corners[order[k]], trial)
+                    if square < best:
+                        best, t = square, order[k]
+                        place[0], place[1], place[2] = trial[0], trial[1], trial[2]
+                continue
+            one, two = 2 * w, 2 * w + 1
+            if square_to_box(px, py, pz, low, high, one) < square_to_box(px, py, pz, low, high, two):
+                one, two = two, one
+            stack[size], stack[size + 1] = one, two
+            size += 2
+        if t >= 0:
+            break
     return t
 
 
-@kernel
+@apart
 def nearest_from(held, x, q, n, t, place, stack):
     """The triangle of the surface that is nearest to point x[q], of those that face n, from a good guess t.
 
@@ -186,13 +196,8 @@ def nearest_from(held, x, q, n, t, place, stack):
     int
     """
     found = walked(held, x[q], n, t, place)
-    if found >= 0:
-        return _searched(held, x, q, n, found, onto(x[q], held.corners[found], place), place, stack)
-    found = _searched(held, x, q, n, -1, np.inf, place, stack)
-    if found < 0:
-        zero = np.zeros(3)
-        found = _searched(held, x, q, zero, t, onto(x[q], held.corners[t], place), place, stack)
-    return found
+    best = onto(x[q], held.corners[found], place) if found >= 0 else np.inf
+    return _searched(held, x, q, n, max(found, -1), best, place, stack)
 
 
 @kernel

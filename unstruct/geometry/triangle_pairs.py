@@ -20,25 +20,11 @@ from ..predicates.kernels import orient2, orient3
 from .boxes import BoxTree, bounding_boxes
 
 __all__ = [
-    "EDGES_CROSS",
-    "OVERLAP",
-    "PIERCES",
-    "VERTEX_ON_EDGE",
-    "VERTEX_ON_TRIANGLE",
-    "Meetings",
-    "clear_view",
-    "crossing_segments",
-    "edges_of",
-    "meetings_in_space",
-    "place_in_triangle",
-    "places_on_triangles",
-    "points_on_edges",
-    "points_on_triangles",
-    "side",
-    "sides_index",
-    "turn",
+    "EDGES_CROSS", "OVERLAP", "PIERCES", "VERTEX_ON_EDGE", "VERTEX_ON_TRIANGLE", "Meetings", "clear_view",
+    "crossing_segments", "edges_of", "meeting", "meetings_in_space", "place_in_triangle",
+    "places_on_triangles", "points_on_edges", "points_on_triangles", "side", "sides_index", "turn",
     "unit_points",
-]
+]  # fmt: skip
 
 # How an edge meets a triangle: it passes through the inside; through an edge; its end, or a vertex of the
 # triangle, lies on an edge of the other; its end lies inside of the triangle; they overlap in a plane.

@@ -16,7 +16,7 @@ Vertex = tuple[int, ...]
 Signs = dict[Vertex, int]
 Shares = dict[frozenset[Vertex], Any]
 Rank = Callable[[Vertex], Any]
-ALPHA_LONG, ALPHA_SHORT = 0.285, 0.3985
+ALPHA_LONG, ALPHA_SHORT = 0.28511, 0.39882
 
 
 def lattice(first: Vertex, last: Vertex) -> Iterator[tuple[Vertex, ...]]:
@@ -77,7 +77,8 @@ def begins(p: Vertex, q: Vertex, d: Vertex) -> bool:
     """Whether the diagonal in the face p, q, d begins at p."""
     if is_long(p, d) != is_long(q, d):
         return is_long(q, d)
-    return sum(i > j for i, j in zip(p, d, strict=True)) % 2 == 0
+    larger = sum(i > j for i, j in zip(p, d, strict=True))
+    return (larger + p[0]) % 2 == 1
 
 
 def pieces(cell: tuple[Vertex, ...], sign: Signs) -> list[tuple[Any, ...]]:

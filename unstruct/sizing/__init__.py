@@ -35,6 +35,9 @@ from .solution import from_hessian as from_hessian
 from .solution import hessian as hessian
 from .solution import mesh_size as mesh_size
 from .solution import to_vertices as to_vertices
+from .space_metric import SpaceMetric as SpaceMetric
+from .space_metric import directional_space as directional_space
+from .space_metric import intersection_space as intersection_space
 from .source_sizes import lines as lines
 from .source_sizes import points as points
 from .source_sizes import polygons as polygons
@@ -51,12 +54,14 @@ __all__ = [
     "MetricTable",
     "SizeField",
     "SizeTable",
+    "SpaceMetric",
     "as_metric",
     "as_size",
     "background",
     "clip",
     "control",
     "directional",
+    "directional_space",
     "from_curvature",
     "from_error",
     "from_facets",
@@ -65,6 +70,7 @@ __all__ = [
     "gradation",
     "hessian",
     "intersection",
+    "intersection_space",
     "limit_nodes",
     "limited",
     "lines",

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
 
-__all__ = ["SpaceNodes", "size_in_space", "space_nodes"]
+__all__ = ["SpaceNodes", "octree_leaf", "size_in_space", "space_nodes"]
 
 Array = NDArray[np.float64]
 ALWAYS_DIVIDED = 4  # levels that are always made: 16 x 16 x 16 leaves, with 15 further samples each
@@ -43,8 +43,8 @@ class SpaceNodes(NamedTuple):
 
 
 @inline
-def size_in_space(child, values, box, x, y, z):
-    """The size at (x, y, z), in scaled coordinates; outside the box, that at its nearest point."""
+def octree_leaf(child, box, x, y, z):
+    """The leaf at a place in scaled coordinates, and where it is in the leaf; from outside the nearest."""
     u = min(max((x - box[0]) / (box[3] - box[0]), 0.0), 1.0)
     v = min(max((y - box[1]) / (box[4] - box[1]), 0.0), 1.0)
     w = min(max((z - box[2]) / (box[5] - box[2]), 0.0), 1.0)
@@ -63,6 +63,13 @@ def size_in_space(child, values, box, x, y, z):
         if w >= 1.0:
             w -= 1.0
             node += 4
+    return node, u, v, w
+
+
+@inline
+def size_in_space(child, values, box, x, y, z):
+    """The size at (x, y, z), in scaled coordinates; outside the box, that at its nearest point."""
+    node, u, v, w = octree_leaf(child, box, x, y, z)
     s0 = values[node, 0] + u * (values[node, 1] - values[node, 0])
     s1 = values[node, 2] + u * (values[node, 3] - values[node, 2])
     s2 = values[node, 4] + u * (values[node, 5] - values[node, 4])

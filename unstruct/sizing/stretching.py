@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..base.arrays import as_points
 from ..base.elementary import exponentials
 from ..base.errors import InputError
+from .layer_functions import asked_at, asked_for_shares
 
 __all__ = ["DEFAULT_GROWTH", "Layers"]
 
@@ -158,7 +159,7 @@ class Layers:
             places = as_points(at, "at")
             for name, value in given.items():
                 if callable(value):
-                    given[name] = _values(value(places), f"{name}(places)")
+                    given[name] = _values(asked_at(value, name, places), f"{name}(places)")
                 if name != "count" and np.size(given[name]) not in (1, len(places)):
                     raise InputError(
                         f"{name} has {np.size(given[name])} values, but there are {len(places)} places; give "
@@ -280,12 +281,7 @@ def _possible(growth: Array, n: int | None, function: Any) -> None:
 def _units(n: int, growth: Array, function: Any) -> Array:
     """Total heights after 0 to n layers in units of the first height: (rows, n + 1)."""
     if callable(function):
-        shares = np.asarray(function(np.arange(n + 1) / n), dtype=np.float64)
-        if shares.shape != (n + 1,) or not np.isfinite(shares).all() or not (np.diff(shares) > 0).all():
-            raise InputError(
-                f"the function of shares must return {n + 1} finite, increasing values for the shares 0, "
-                f"1 / {n}, ..., 1; lambda s: s**2 does"
-            )
+        shares = asked_for_shares(function, n)
         return np.broadcast_to((shares - shares[0]) / (shares[1] - shares[0]), (len(growth), n + 1))
     if function == "tanh":
         return _tanh_units(n, _steepness(n, growth)) if n > 1 else np.tile([0.0, 1.0], (len(growth), 1))

@@ -67,6 +67,8 @@ from .scenes.rebay import voronoi_segment_state as voronoi_segment_state
 from .scenes.rebay_history import rebay_frames as rebay_frames
 from .scenes.space_frames import bodies as bodies
 from .scenes.space_frames import space_frame as space_frame
+from .scenes.space_fronts import front_items3 as front_items3
+from .scenes.space_fronts import space_front_frames as space_front_frames
 from .scenes.space_insertion import space_insertion_frames as space_insertion_frames
 from .scenes.space_recovery import edge_recovery_frames as edge_recovery_frames
 from .scenes.space_recovery import missing_edge_items as missing_edge_items

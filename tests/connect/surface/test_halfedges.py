@@ -13,8 +13,8 @@ from unstruct import Domain
 from unstruct.connect.insertion.halfedges import UNUSED, next_edge, prev_edge
 from unstruct.connect.surface.complex import SurfaceComplex
 from unstruct.connect.surface.halfedges import (
+    ALONG_CURVE,
     CORNER,
-    ON_CURVE,
     SURFACE_SLOTS,
     can_collapse,
     can_flip,
@@ -124,7 +124,7 @@ def test_copies_of_a_vertex_are_corners_and_one_again() -> None:
     complex = made(points, np.array([[0, 1, 2], [0, 3, 4]], dtype=np.int32))
     assert len(complex.master) == 6 and complex.master[5] == 0
     assert complex.sheets.kind[0] == CORNER and complex.sheets.kind[5] == CORNER
-    assert complex.sheets.kind[1] == ON_CURVE
+    assert complex.sheets.kind[1] == ALONG_CURVE
     taken = complex.taken()
     assert len(taken.points) == 5 and (taken.triangles == [[0, 1, 2], [0, 3, 4]]).all()
 
@@ -147,4 +147,4 @@ def test_features_keep_their_curves() -> None:
         split_edge(s, int(np.flatnonzero(s.curve == curve)[0]))
     taken = complex.taken()
     assert Counter(taken.curves.tolist()) == {3: 2, 7: 2}
-    assert s.kind[edges[0, 0]] == CORNER and s.kind[len(points)] == ON_CURVE and s.on[len(points)] == 3
+    assert s.kind[edges[0, 0]] == CORNER and s.kind[len(points)] == ALONG_CURVE and s.on[len(points)] == 3

@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from unstruct.generate.layers.facing import FACING, mark_crowded, mark_long
+from unstruct.generate.layers.facing import FACING, beside, mark_crowded, mark_long
 
 GAP, ROOM = 0.56, 0.6
 
@@ -64,3 +64,19 @@ def test_long_and_crowded_edges(seed: int) -> None:
         if faces and away < ROOM * length[p]:
             want_crowded[[p, q]] = True
     assert (long == want_long).all() and (crowded == want_crowded).all()
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.integers(1, 40), st.sampled_from([0.1, 0.6, 2.0]))
+def test_no_near_edge_is_missed(seed: int, many: int, factor: float) -> None:
+    rng = np.random.default_rng(seed)
+    x = rng.random((30, 2))
+    edges = rng.integers(0, 30, (60, 2))
+    pairs, length = beside(x, edges, many, factor)
+    found = set(zip(*(array.tolist() for array in pairs)))
+    assert np.allclose(length, np.linalg.norm(x[edges[:, 1]] - x[edges[:, 0]], axis=1), rtol=1e-15)
+    for i in range(many):
+        box = np.sort(x[edges[i]], axis=0) + np.array([[-1.0], [1.0]]) * factor * length[i]
+        for j in range(len(edges)):
+            other = np.sort(x[edges[j]], axis=0)
+            assert ((i, j) in found) == bool((other[0] <= box[1]).all() and (other[1] >= box[0]).all())

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import Domain, Layers, check, prismatic_layers
-from unstruct.generate.prisms.clear import Border, clashes, inside_out, skin_of, surrounded
+from unstruct.generate.prisms.clear import Border, Over, clashes, inside_out, skin_of, surrounded
 from unstruct.generate.prisms.records import Others
 from unstruct.geometry.triangle_pairs import edges_of, meetings_in_space
 
@@ -150,3 +150,35 @@ def test_a_cap_that_has_passed_the_center_is_inside_out(share: float) -> None:
     skin = skin_of(others, rows, base, top, moves, planes, NO_BORDER, changed)
     found = inside_out(skin, rows, NO_BORDER, moves)
     assert found.tolist() == ([] if share > 0 else np.flatnonzero(moves).tolist())
+
+
+def test_what_is_over_one_solid_may_meet() -> None:
+    """The halves of both diagonals of a flat quadrilateral lie in each other."""
+    square = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (0.0, 1.0, 0.0)])
+    others = Others(square, np.empty((0, 3), dtype=np.int32), np.empty(0, dtype=np.int32))
+    rows = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7], [4, 5, 7], [5, 6, 7]], dtype=np.int32)
+    base, moves = np.tile(np.arange(4), 2), np.arange(8) > 3
+    top = np.concatenate([square, square + np.array([0.0, 0.0, 1.0])])
+    planes, owner = np.full((8, 2), -1, dtype=np.int32), np.zeros(4, dtype=np.int64)
+    for solid, expected in ((owner, []), (np.array([0, 0, 1, 1]), [4, 5, 6, 7])):
+        over = Over(owner, solid)
+        skin = skin_of(others, rows, base, top, moves, planes, NO_BORDER, moves, over)
+        assert clashes(skin).tolist() == expected
+        assert skin.solid.tolist() == [-1, -1, *solid.tolist()] and skin.column[2:].tolist() == [0] * 4
+
+
+def test_caps_of_fans_enclose_a_volume() -> None:
+    """What is over creases is a part of the cap that is asked whether it is inside out."""
+    box = Domain.box((0, 0, 0), (1, 1, 1))
+    points, rows = box.points, box.triangulated.triangles
+    others = Others(points, np.empty((0, 3), dtype=np.int32), np.empty(0, dtype=np.int32))
+    base, many = np.concatenate([np.arange(8), np.arange(8)]), len(rows)
+    planes, every = np.full((16, 2), -1, dtype=np.int32), np.ones(16, dtype=bool)
+    owner = np.arange(many)
+    for share, expected in ((0.5, []), (-0.5, list(range(8)))):
+        # The columns' own tops are flat; the rest of a smaller box, or one that is turned, is over them.
+        top = np.concatenate([np.full((8, 3), 0.5), 0.5 + share * (points - 0.5)])
+        over = Over(owner, owner)
+        both = np.concatenate([rows, rows + 8]).astype(np.int32)
+        skin = skin_of(others, both, base, top, every, planes, NO_BORDER, every, over)
+        assert inside_out(skin, rows, NO_BORDER, every).tolist() == expected

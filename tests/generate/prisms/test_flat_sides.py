@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -132,3 +134,46 @@ def test_facets_in_the_plane_of_a_side_that_are_another_piece() -> None:
             mesh = prismatic_layers(body, 0.3, layers=Layers(first, 1.0, 4), walls="bottom")
             assert check(mesh, domain=body)
             assert mesh.steps["height"].min() < 0.3
+
+
+CUBE = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
+
+
+def test_messages_tell_the_numbers_of_the_body_that_was_given() -> None:
+    """Point 0 lies inside a flat side, which is joined, and the facets beside walls come last."""
+    points = np.vstack([[[1.0, 0.5, 0.5]], CUBE, [[0.5, -0.2, 0.5]]])
+    fan = [[0, a, b] for a, b in ((2, 3), (3, 7), (7, 6), (6, 2))]
+    bent = [[9, a, b] for a, b in ((1, 2), (2, 6), (6, 5), (5, 1))]
+    body = Domain(points, [*fan, *bent, [3, 4, 8, 7], [4, 1, 5, 8], [1, 4, 3, 2], [5, 6, 7, 8]])
+    with pytest.raises(InputError, match="in 3 planes") as told:
+        prismatic_layers(body, 0.3, layers=LAYERS, walls=[10], side="inside")
+    found = re.search(r"point (\d+), at \(([^)]*)\)", str(told.value))
+    assert found is not None
+    assert np.array_equal(points[int(found[1])], [float(x) for x in found[2].split(",")])
+    joined, walls, parts = with_flat_sides(body, [10])
+    assert parts is not None and len(joined.facets) < len(body.facets)
+    assert joined.name(int(walls[0])) == "facet 10"
+
+
+def test_a_wall_within_a_flat_side() -> None:
+    rows = [[0, 2, 1], [0, 3, 2], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]]
+    with pytest.raises(InputError, match="within a flat side: facet 1 lies beside them in its plane"):
+        prismatic_layers(Domain(CUBE.astype(float), rows), layers=LAYERS, walls=[0], side="inside")
+
+
+def test_an_inner_facet_that_ends_at_a_wall() -> None:
+    points = np.vstack([CUBE, [[0.5, 0, 0], [0.5, 1, 0], [0.5, 0.5, 0.6]]])
+    rows = [
+        [0, 3, 9, 8],
+        [8, 9, 2, 1],
+        [4, 5, 6, 7],
+        [0, 8, 1, 5, 4],
+        [1, 2, 6, 5],
+        [2, 9, 3, 7, 6],
+        [3, 0, 4, 7],
+    ]
+    body = Domain(points, rows, inner=[[8, 9, 10]])
+    with pytest.raises(
+        InputError, match=r"inner facet 0 ends at the edge 8-9 of facet 0.*layers would cut it"
+    ):
+        prismatic_layers(body, layers=LAYERS, walls=[0, 1], side="inside")

@@ -102,10 +102,16 @@ def test_divisions_fit_for_any_numbering(n: int, levels: int, data: st.DataObjec
     assert (np.diff(owner) >= 0).all() and len(np.unique(owner)) == sum(map(len, cells.values()))
 
 
-@given(st.lists(st.integers(-6, 6), min_size=9, max_size=9), st.permutations(range(3)), st.integers(0, 30))
+@given(
+    st.lists(st.integers(-6, 6), min_size=9, max_size=9),
+    st.permutations(range(3)),
+    st.integers(0, 30),
+    st.permutations(range(3)),
+)
 def test_twisted_columns_are_those_with_negative_tetrahedra(
-    values: list[int], order: list[int], tenths: int
+    values: list[int], order: list[int], tenths: int, first: list[int]
 ) -> None:
+    """Also where the vertices of the wall are in another order than the rays."""
     base = np.array([(8.0, 0.0, 0.0), (-4.0, 7.0, 0.0), (-4.0, -7.0, 0.0)])
     along = np.array(values, dtype=float).reshape(3, 3)
     along[:, 2] += 9.0
@@ -114,11 +120,16 @@ def test_twisted_columns_are_those_with_negative_tetrahedra(
     places[:, order] = base + shares * along
     columns = np.array([order], dtype=np.int32)
     number = np.arange(9, dtype=np.int32).reshape(3, 3)
+    number[0] = first
     cells = cells_of(columns, number).kinds
-    every = places.reshape(-1, 3)
+    every = places.copy()
+    every[0, first] = places[0]
+    every = every.reshape(-1, 3)
     rows, owner = tetrahedra({"wedge": cells["wedge"]})
     bad = {int(o) for row, o in zip(rows.tolist(), owner) if volume(every, row) <= 0}
     assert sorted(bad) == negative_parts(every, {"wedge": cells["wedge"]}).tolist()
     positive = (wedge_signs(every[cells["wedge"]]) == 1).all()
     if positive:
-        assert bool(twisted(places, columns)[0]) == bool(bad)
+        assert bool(twisted(places, columns, base=number[0])[0]) == bool(bad)
+        if first == [0, 1, 2]:
+            assert bool(twisted(places, columns)[0]) == bool(bad)

@@ -49,8 +49,8 @@ def test_planar_frames() -> None:
 
 @pytest.mark.parametrize("stencil", STENCILS)
 def test_stencils_over_their_range(stencil: str) -> None:
-    for first in (0.02, 0.285, 0.5, 0.98):
-        for others in (0.02, 0.3985, 0.5, 0.98):
+    for first in (0.02, 0.28511, 0.5, 0.98):
+        for others in (0.02, 0.39882, 0.5, 0.98):
             one = stencil_state(stencil, first, others)
             check_frame(one)
             angles = stencil_angles(STENCILS[stencil], [first, others])[1]

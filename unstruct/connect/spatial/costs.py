@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.jit import apart, inline, lean
+from ...geometry.stretched import METRIC_COLUMNS, metric_badness
 from .records import COST_KIND, GUARD_COUNT, LOCALS, NUMBERED, TARGET
 from .signs import DISJOINT, in_order, meets, remembered_side
 
@@ -200,7 +201,12 @@ def face_cost(xyz, r, x, y, z):
 
 @apart
 def badness(xyz, a, b, c, d):
-    """From 0 for a regular tetrahedron to 1 for a flat one: 1 - 6 sqrt(2) volume / (mean square edge)^1.5."""
+    """From 0 for a regular tetrahedron to 1 for a flat one: 1 - 6 sqrt(2) volume / (mean square edge)^1.5.
+
+    If the vertices carry a metric (`geometry.stretched`), in this.
+    """
+    if xyz.shape[1] == METRIC_COLUMNS:
+        return metric_badness(xyz, a, b, c, d)
     ux, uy, uz = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]
     vx, vy, vz = xyz[c, 0] - xyz[a, 0], xyz[c, 1] - xyz[a, 1], xyz[c, 2] - xyz[a, 2]
     wx, wy, wz = xyz[d, 0] - xyz[a, 0], xyz[d, 1] - xyz[a, 1], xyz[d, 2] - xyz[a, 2]

@@ -43,7 +43,7 @@ from .opening import (
     third,
 )
 
-__all__ = ["add_star", "commit_star", "flawed_faces", "in_star", "room_for_star", "search_star"]
+__all__ = ["add_star", "commit_star", "flawed_faces", "in_star", "room_for_star", "search_star", "settle_star"]
 
 LEAST_HEIGHT = (
     2.0**-50
@@ -125,6 +125,16 @@ def search_star(solid, star, edges, p, split):
             else:
                 solid.stamp[u] = inside + 1
     star.sizes[STAR_CELLS] = size
+    return settle_star(solid, star, edges, p, split)
+
+
+@apart
+def settle_star(solid, star, edges, p, split):
+    """Judge a cavity that has been collected, by exact signs; False if there is no star.
+
+    The cells of ``star``, ``sizes[STAR_CELLS]`` of them, seeds first, have the stamp of the search. For
+    ``search_star`` they are those whose spheres contain p; they may be any cells with connected faces.
+    """
     grown = 0
     while True:
         face = _see_walls(solid, star, p)

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from ...base.jit import kernel
 from ...geometry.inside_shell import side_mates
 from ..insertion.halfedges import UNUSED, next_edge, prev_edge
-from .halfedges import CORNER, ON_CURVE, SEAM, SMOOTH, SURFACE_SLOTS, SURFACE_VERTICES, Sheets
+from .halfedges import ALONG_CURVE, CORNER, SEAM_CURVES, SMOOTH, SURFACE_SLOTS, SURFACE_VERTICES, Sheets
 
 __all__ = ["SurfaceComplex", "Taken"]
 
-SPARE = 64  # vertices beyond what is needed, for tiny surfaces
+ROOM_LEFT = 64  # vertices beyond what is needed, for tiny surfaces
 
 
 class Taken(NamedTuple):
@@ -125,7 +125,7 @@ class SurfaceComplex:
         flat = np.flatnonzero(curve >= 0)
         for side in (next_edge, prev_edge):
             ends = vertex[_ends(flat, side is next_edge)]
-            kind[ends], on[ends] = ON_CURVE, curve[flat]
+            kind[ends], on[ends] = ALONG_CURVE, curve[flat]
         fixed = np.zeros(n, dtype=bool)
         fixed[corners] = True
         fixed[self.master[n:]] = True
@@ -155,8 +155,8 @@ class SurfaceComplex:
     def grow(self, vertices: int, triangles: int) -> None:
         """Make room for this many more vertices and triangles; arrays of `sheets` are replaced."""
         s = self.sheets
-        more = max(0, int(s.state[SURFACE_VERTICES]) + vertices + SPARE - len(s.at))
-        slots = max(0, int(s.state[SURFACE_SLOTS]) + triangles + 2 * SPARE - len(s.name))
+        more = max(0, int(s.state[SURFACE_VERTICES]) + vertices + ROOM_LEFT - len(s.at))
+        slots = max(0, int(s.state[SURFACE_SLOTS]) + triangles + 2 * ROOM_LEFT - len(s.name))
         if more:
             s = s._replace(
                 **{name: _longer(getattr(s, name), more, -1) for name in ("at", "on")},
@@ -204,7 +204,7 @@ class SurfaceComplex:
             vertices,
             kept,
             edges.reshape(-1, 2),
-            (s.curve[sides[first]] % SEAM).astype(np.int32),
+            (s.curve[sides[first]] % SEAM_CURVES).astype(np.int32),
         )
 
 

@@ -27,9 +27,9 @@ from ...base.jit import inline, lean
 from ..insertion.halfedges import UNUSED, next_edge, prev_edge
 
 __all__ = [
+    "ALONG_CURVE",
     "CORNER",
-    "ON_CURVE",
-    "SEAM",
+    "SEAM_CURVES",
     "SMOOTH",
     "SURFACE_SLOTS",
     "SURFACE_VERTICES",
@@ -47,12 +47,12 @@ __all__ = [
     "turned_back",
 ]
 
-SMOOTH, ON_CURVE, CORNER = 0, 1, 2  # kinds of vertices
-SEAM = 1 << 24  # what is added to the number of a curve for edges that are never split
+SMOOTH, ALONG_CURVE, CORNER = 0, 1, 2  # kinds of vertices
+SEAM_CURVES = 1 << 24  # what is added to the number of a curve for edges that are never split
 
 # Entries of the state: how many vertices and slots of triangles have been used, the first free ones (-1 for
 # none), and the last mark.
-SURFACE_VERTICES, SURFACE_SLOTS, FREE_VERTEX, FREE_SLOT, LAST_MARK = 0, 1, 2, 3, 4
+SURFACE_VERTICES, SURFACE_SLOTS, FIRST_FREE, FREE_SLOT, LAST_MARK = 0, 1, 2, 3, 4
 
 
 class Sheets(NamedTuple):
@@ -64,9 +64,9 @@ class Sheets(NamedTuple):
     at : (n,) int32
         A corner of each vertex; of free ones -2 minus the next free one plus 1.
     kind : (n,) int8
-        `SMOOTH`, `ON_CURVE` (inside a feature curve, or on a closed one) or `CORNER` (never moved).
+        `SMOOTH`, `ALONG_CURVE` (inside a feature curve, or on a closed one) or `CORNER` (never moved).
     on : (n,) int32
-        The curve of a vertex of the kind `ON_CURVE`, else -1.
+        The curve of a vertex of the kind `ALONG_CURVE`, else -1.
     near : (n,) int64
         A triangle of the given surface near each vertex.
     size : (n,) float64
@@ -167,7 +167,7 @@ def can_collapse(s, e):
     left is no pair of triangles back to back. Two features are never merged.
     """
     u, w, p, f = s.vertex[next_edge(e)], s.vertex[prev_edge(e)], s.vertex[e], s.twin[e]
-    if s.kind[u] == CORNER or (s.kind[u] == ON_CURVE and s.curve[e] < 0):
+    if s.kind[u] == CORNER or (s.kind[u] == ALONG_CURVE and s.curve[e] < 0):
         return False
     if s.curve[next_edge(e)] >= 0 and s.curve[prev_edge(e)] >= 0:
         return False
@@ -232,9 +232,9 @@ def has_room(s, vertices, triangles):
 
 @inline
 def _new_vertex(s):
-    v = s.state[FREE_VERTEX]
+    v = s.state[FIRST_FREE]
     if v >= 0:
-        s.state[FREE_VERTEX] = -3 - s.at[v]
+        s.state[FIRST_FREE] = -3 - s.at[v]
     else:
         v = s.state[SURFACE_VERTICES]
         s.state[SURFACE_VERTICES] = v + 1
@@ -243,8 +243,8 @@ def _new_vertex(s):
 
 @inline
 def _free_vertex(s, v):
-    s.at[v] = -3 - s.state[FREE_VERTEX]
-    s.state[FREE_VERTEX] = v
+    s.at[v] = -3 - s.state[FIRST_FREE]
+    s.state[FIRST_FREE] = v
 
 
 @inline
@@ -303,7 +303,7 @@ def split_edge(s, e):
     m = _new_vertex(s)
     for k in range(3):
         s.xyz[m, k] = 0.5 * (s.xyz[u, k] + s.xyz[w, k])
-    s.kind[m] = ON_CURVE if s.curve[e] >= 0 else SMOOTH
+    s.kind[m] = ALONG_CURVE if s.curve[e] >= 0 else SMOOTH
     s.on[m], s.near[m], s.mark[m] = s.curve[e], s.near[u], 0
     s.size[m], s.cap[m] = 0.5 * (s.size[u] + s.size[w]), 0.5 * (s.cap[u] + s.cap[w])
     s.allowed[m] = 0.5 * (s.allowed[u] + s.allowed[w])

@@ -15,6 +15,7 @@ from ...base.errors import InputError
 from ...base.jit import kernel
 from ...geometry.outline import Outline
 from ...sizing.metric import Metric
+from ...sizing.space_metric import SpaceMetric
 from .by_region import PieceSizes, piece_sizes, size_or_metric
 from .prescribed import recut
 from .sample import Sampled, safe
@@ -87,8 +88,10 @@ def sized(outline: Outline, size: Any, step: float, coarse: Callable[[], Sampled
     without = [g for g, field in enumerate(wanted.fields) if field is None]
     if without:
         owner, t0, t1 = _as_in(coarse(), np.isin(wanted.group, without), owner, t0, t1)
-    if outline.spacings:
-        owner, t0, t1 = recut(outline.spacings, owner, t0, t1)
+    # Where all pieces have sizes, those that are spaced have been kept whole.
+    given = {p: t for p, t in outline.spacings.items() if len(t) > 2 or without}
+    if given:
+        owner, t0, t1 = recut(given, owner, t0, t1)
     return safe(outline, owner, t0, t1, np.inf)
 
 
@@ -165,20 +168,19 @@ def _table(outline: Pieces, size: Wanted) -> tuple[np.ndarray, np.ndarray, np.nd
     many = len(outline.pieces)
     parts = np.ones(many, dtype=np.int64)
     parts[list(outline.curves)] = 16
-    parts[list(outline.spacings)] = 0
-    if any(isinstance(one, Metric) for one in size.fields):
+    parts[np.fromiter(outline.spacings, dtype=np.int64)] = 0
+    if any(isinstance(one, (Metric, SpaceMetric)) for one in size.fields):
         # Along a piece that a layer crosses, a metric is fine in a short part only.
         a, b = outline.points[outline.pieces].transpose(1, 0, 2)
         share = np.abs(b - a).max(axis=1) / np.ptp(outline.points, axis=0).max()
         parts = np.maximum(parts, np.ceil(METRIC_PARTS * share).astype(np.int64))
-    piece = np.repeat(np.arange(many), parts)
-    j = np.arange(len(piece)) - np.repeat(np.cumsum(parts) - parts, parts)
-    t0, t1 = j / parts[piece], (j + 1) / parts[piece]
-    first, middle, last = outline.points_at(
-        np.tile(piece, 3), np.concatenate([t0, (t0 + t1) / 2, t1])
-    ).reshape(3, -1, 2)
-    here = size.at(piece, middle, last - first)
-    rows = np.column_stack([t0, t1, first, middle, last, here])
+    many = int(parts.sum())
+    piece, t, rows = np.empty((3, many), dtype=np.int64), np.empty((3, many)), np.empty((many, 9))
+    _lay_parts(parts, piece, t)
+    x = outline.points_at(piece.ravel(), t.ravel())
+    piece, along = piece[0], np.empty((many, 2))
+    _begin(t, x, rows, along)
+    rows[:, 8] = size.at(piece, x[many : 2 * many], along)
     done: list[tuple[np.ndarray, np.ndarray]] = []
     while len(piece):
         many = len(piece)
@@ -207,6 +209,29 @@ def _table(outline: Pieces, size: Wanted) -> tuple[np.ndarray, np.ndarray, np.nd
     owner, (end, total) = np.empty(len(order) + many, np.int64), np.empty((2, len(order) + many))
     _add_up(piece, t1, amount, order, many, owner, (end, total))
     return owner, end, total
+
+
+@kernel
+def _lay_parts(parts, piece, t):
+    """Write the pieces of their parts, thrice, and the parameters of their starts, middles and ends."""
+    at = 0
+    for p in range(len(parts)):
+        for j in range(parts[p]):
+            t[0, at], t[2, at] = j / parts[p], (j + 1) / parts[p]
+            t[1, at] = (t[0, at] + t[2, at]) / 2
+            piece[0, at] = piece[1, at] = piece[2, at] = p
+            at += 1
+
+
+@kernel
+def _begin(t, x, rows, along):
+    """Fill the rows of parts, but for the sizes, and the chords, from starts, middles and ends in order."""
+    m = len(rows)
+    for i in range(m):
+        rows[i, 0], rows[i, 1] = t[0, i], t[2, i]
+        for k in range(2):
+            rows[i, 2 + k], rows[i, 4 + k], rows[i, 6 + k] = x[i, k], x[m + i, k], x[2 * m + i, k]
+            along[i, k] = x[2 * m + i, k] - x[i, k]
 
 
 @kernel

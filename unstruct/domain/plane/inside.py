@@ -6,6 +6,7 @@ from math import fsum
 
 import numpy as np
 
+from ...base.jit import kernel
 from ...geometry.outline import Outline
 from ...geometry.parity import enclosed_area, even_odd, left_parity
 from ...predicates.batch import power_of_two
@@ -39,9 +40,18 @@ def area(outline: Outline, sampled: Sampled) -> float:
 
 def bounds(outline: Outline, sampled: Sampled) -> np.ndarray:
     """The corners of the bounding box of points and, approximately, of curves: see `Domain.bounds`."""
-    points = [sampled.points]
+    found = np.array([[np.inf, np.inf], [-np.inf, -np.inf]])
+    _widen(sampled.points, found)
     if outline.curves:
-        piece = np.repeat(list(outline.curves), 257)
-        points.append(outline.points_at(piece, np.tile(np.linspace(0, 1, 257), len(outline.curves))))
-    x, y = np.concatenate(points).T
-    return np.array([[x.min(), y.min()], [x.max(), y.max()]])
+        piece, t = np.empty((len(outline.curves), 257), dtype=np.int64), np.empty((len(outline.curves), 257))
+        piece[:], t[:] = np.fromiter(outline.curves, dtype=np.int64)[:, None], np.linspace(0, 1, 257)
+        _widen(outline.points_at(piece.ravel(), t.ravel()), found)
+    return found
+
+
+@kernel
+def _widen(points, box):
+    """Widen a box, lower corner and upper corner, so that it contains points."""
+    for i in range(len(points)):
+        for k in range(2):
+            box[0, k], box[1, k] = min(box[0, k], points[i, k]), max(box[1, k], points[i, k])

@@ -136,13 +136,36 @@ def halve(sampled: Sampled, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
 
 def fine_chains(outline: Outline, sampled: Sampled, rows: np.ndarray) -> np.ndarray:
     """Points (r, CHORDS_WITHIN + 1, 2) along the stretches of the subsegments ``rows``."""
-    first, last = sampled.span[rows, :1], sampled.span[rows, 1:]
-    t = first + (last - first) * SAMPLES
-    chains = outline.points_at(np.repeat(sampled.piece[rows], CHORDS_WITHIN + 1), t.ravel()).reshape(
-        -1, CHORDS_WITHIN + 1, 2
-    )
-    chains[:, 0], chains[:, -1] = sampled.points[sampled.ends[rows, 0]], sampled.points[sampled.ends[rows, 1]]
+    inner = SAMPLES[1:-1]
+    many = len(rows) * len(inner)
+    piece, t = np.empty(many, dtype=np.int64), np.empty(many)
+    chains = np.empty((len(rows), CHORDS_WITHIN + 1, 2))
+    _lay_samples(sampled.piece, sampled.span, rows, inner, piece, t)
+    x = outline.points_at(piece, t)
+    _chain(sampled.points, sampled.ends, rows, x, chains)
     return chains
+
+
+@kernel
+def _lay_samples(pieces, span, rows, inner, piece, t):
+    """Write the pieces and the parameters of samples between the ends of subsegments."""
+    many = len(inner)
+    for r in range(len(rows)):
+        first, last = span[rows[r], 0], span[rows[r], 1]
+        for k in range(many):
+            piece[r * many + k], t[r * many + k] = pieces[rows[r]], first + (last - first) * inner[k]
+
+
+@kernel
+def _chain(points, ends, rows, x, chains):
+    """Write the ends of subsegments with the samples between them."""
+    many = chains.shape[1] - 2
+    for r in range(len(rows)):
+        for j in range(2):
+            chains[r, 0, j] = points[ends[rows[r], 0], j]
+            chains[r, many + 1, j] = points[ends[rows[r], 1], j]
+            for k in range(many):
+                chains[r, 1 + k, j] = x[r * many + k, j]
 
 
 def turning(chains: np.ndarray) -> np.ndarray:

@@ -19,7 +19,7 @@ from ...sizing.field import SizeField, as_size
 from ..plane.by_region import no_entry, per_region
 from .parts import UNBOUNDED, Parts, parts_in_space
 
-__all__ = ["size_by_part"]
+__all__ = ["parts_of_body", "size_by_part"]
 
 Array = NDArray[np.float64]
 ON_TRIANGLE = (
@@ -88,13 +88,22 @@ def _are_on(x, corners, query, hit, square, on):
         on[i] = onto(x[query[i]], corners[hit[i]], place) <= square
 
 
-def _map_of(domain: Any) -> PartMap:
-    shell = domain.triangulated
+def parts_of_body(shell: Any) -> tuple[Parts, NDArray[np.bool_], NDArray[np.int64]]:
+    """The parts of space that the triangles of a body divide, and which of them belong to it.
+
+    Returns
+    -------
+    parts : Parts
+    inside : (p + 1,) bool
+        Whether each part belongs to the body; the last entry stands for what is unbounded.
+    beside : (b,) int64
+        The part of the body beside each triangle of a facet.
+    """
     parts = parts_in_space(shell.points, shell.triangles)
     bounding = np.flatnonzero(shell.piece < shell.facets)
     ahead = front_inside(shell.points, shell.triangles[bounding])
     beside = np.where(ahead, parts.front[bounding], parts.back[bounding])
-    inside = np.zeros(len(parts.walls) + 1, dtype=bool)  # the last one stands for what is unbounded
+    inside = np.zeros(len(parts.walls) + 1, dtype=bool)
     inside[beside] = True
     within = np.flatnonzero(shell.piece >= shell.facets)
     front, back = parts.front[within], parts.back[within]
@@ -102,6 +111,13 @@ def _map_of(domain: Any) -> PartMap:
         inside[front] |= inside[back]
         inside[back] |= inside[front]
     inside[UNBOUNDED] = False
+    return parts, inside, beside
+
+
+def _map_of(domain: Any) -> PartMap:
+    shell = domain.triangulated
+    parts, inside, beside = parts_of_body(shell)
+    bounding = np.flatnonzero(shell.piece < shell.facets)
     factor = power_of_two(shell.points)
     corners = np.ascontiguousarray(shell.points[shell.triangles] * factor)
     return PartMap(

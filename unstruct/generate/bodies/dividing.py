@@ -22,15 +22,19 @@ from ...domain.plane.by_size import evenly
 from ...mesh.grouping import group_rows
 from ...predicates.batch import power_of_two
 from ...sizing.field import SizeField
+from ...sizing.on_faces import wanted_along, wanted_triangles
+from ...sizing.space_metric import SpaceMetric
 from ..volume.lattice import MOST_INNER
 from .covering import Cover, covered
-from .laying import lay, meshed, too_many
+from .laying import Filler, filled_by_size, lay, meshed, too_many
 from .patches import Patches, patches_of, shapes_of
 
 __all__ = ["Divided", "Pieces", "divided", "divided_around"]
 
 Numbers = NDArray[np.int64]
 Array = NDArray[np.float64]
+Wish = SizeField | SpaceMetric
+Limits = tuple[int, Cover | None, Filler]  # points, what something else covers, and how polygons are meshed
 COARSE_PATCH = (
     1.5  # edges of the triangles of a polygon whose sides stay, over the size, from which it is meshed
 )
@@ -95,13 +99,13 @@ class _Edges:
     def __init__(self, points: Array, ends: Numbers):
         self.points, self.pieces = points, ends
         self._start, end = points[ends].transpose(1, 0, 2)
-        self._along = end - self._start
+        self.along = end - self._start
         factor = power_of_two(points)
-        self.length = np.linalg.norm(self._along * factor, axis=1) / factor
+        self.length = np.linalg.norm(self.along * factor, axis=1) / factor
 
     def in_space(self, piece: Numbers, t: Array) -> Array:
         """Points of many edges by parameters, (k, 3)."""
-        return self._start[piece] + t[:, None] * self._along[piece]
+        return self._start[piece] + t[:, None] * self.along[piece]
 
     def points_at(self, piece: Numbers, t: Array) -> Array:
         """The same, each edge along the first axis, (k, 2)."""
@@ -120,13 +124,14 @@ class _Edges:
 class _Sizes:
     """The wanted lengths along edges in space, as `evenly` asks for them."""
 
-    def __init__(self, edges: _Edges, field: SizeField):
+    def __init__(self, edges: _Edges, field: Wish):
         self.fields: list[Any] = [field]
         self._edges = edges
 
     def at(self, piece: Numbers, x: Array, direction: Array) -> Array:
         """The lengths at points of `_Edges.points_at`."""
-        return self.fields[0](self._edges.in_space(piece, x[:, 0] / self._edges.length[piece]))
+        x = self._edges.in_space(piece, x[:, 0] / self._edges.length[piece])
+        return wanted_along(self.fields[0], x, self._edges.along[piece])
 
     def even(self) -> NDArray[np.bool_]:
         """For which edges the length is constant."""
@@ -134,7 +139,11 @@ class _Sizes:
 
 
 def divided(
-    domain: Domain, field: SizeField, everything: bool = False, most: int = MOST_INNER
+    domain: Domain,
+    field: Wish,
+    everything: bool = False,
+    most: int = MOST_INNER,
+    fill: Filler = filled_by_size,
 ) -> Divided | None:
     """Cut the facets, inner facets and inner segments of a body by a size.
 
@@ -142,12 +151,14 @@ def divided(
     ----------
     domain : Domain
         In space.
-    field : SizeField
+    field : SizeField or SpaceMetric
         The wanted length of edges.
     everything : bool
         Whether triangles are divided, too.
     most : int
         The largest number of new points.
+    fill : callable
+        How polygons are meshed in their planes: see `laying.Filler`. With a metric it takes metrics.
 
     Returns
     -------
@@ -165,7 +176,7 @@ def divided(
     -----
     O(n log n) for n vertices.
     """
-    made = _divided(domain, field, everything, most, None)
+    made = _divided(domain, field, everything, (most, None, fill))
     if made is None:
         return None
     body = Domain(
@@ -178,16 +189,15 @@ def divided(
     return Divided(body, made.parent, made.span, domain.name)
 
 
-def divided_around(domain: Domain, field: SizeField, everything: bool, cover: Cover) -> Pieces:
+def divided_around(domain: Domain, field: Wish, everything: bool, cover: Cover) -> Pieces:
     """The same without what something else covers of facets: see `divided` and `Cover`."""
-    made = _divided(domain, field, everything, MOST_INNER, cover)
+    made = _divided(domain, field, everything, (MOST_INNER, cover, filled_by_size))
     assert made is not None
     return made
 
 
-def _divided(
-    domain: Domain, field: SizeField, everything: bool, most: int, cover: Cover | None
-) -> Pieces | None:
+def _divided(domain: Domain, field: Wish, everything: bool, limits: Limits) -> Pieces | None:
+    most, cover, _ = limits
     patches, points = patches_of(domain), domain.points
     shape = shapes_of(domain)[patches.piece]
     coarse = _too_coarse(domain, field, patches, everything)
@@ -210,7 +220,7 @@ def _divided(
     if chain is None and not coarse.any():
         return None
     chain = chain or _Chains.whole(points, edges)
-    return _put_together(domain, field, patches, number, chain, coarse, (most, cover))
+    return _put_together(domain, field, patches, number, chain, coarse, limits)
 
 
 class _Chains(NamedTuple):
@@ -227,7 +237,7 @@ class _Chains(NamedTuple):
         return cls(points, edges.ravel(), 2 * np.arange(len(edges) + 1), np.tile(BOTH_ENDS, len(edges)))
 
     @classmethod
-    def of(cls, points: Array, edges: Numbers, kept: NDArray[np.bool_], field: SizeField) -> _Chains | None:
+    def of(cls, points: Array, edges: Numbers, kept: NDArray[np.bool_], field: Wish) -> _Chains | None:
         """Edges cut by a size, but for those that are kept; None if none is cut."""
         free = np.flatnonzero(~kept)
         if len(free) == 0:
@@ -259,30 +269,31 @@ class _Chains(NamedTuple):
         return pairs, owner, spans
 
 
-def _too_coarse(domain: Domain, field: SizeField, patches: Patches, everything: bool) -> NDArray[np.bool_]:
+def _too_coarse(domain: Domain, field: Wish, patches: Patches, everything: bool) -> NDArray[np.bool_]:
     """Which patches have triangles that are much larger than wanted, by their edges."""
     shell = domain.triangulated
     x = domain.points[shell.triangles]
     large = np.zeros(len(domain.pieces), dtype=bool)
     for i, j in ((0, 1), (1, 2), (2, 0)):
-        length = np.linalg.norm(x[:, i] - x[:, j], axis=1)
-        large[shell.piece[length > COARSE_PATCH * field((x[:, i] + x[:, j]) / 2)]] = True
+        side = x[:, i] - x[:, j]
+        wanted = wanted_along(field, (x[:, i] + x[:, j]) / 2, side)
+        large[shell.piece[np.linalg.norm(side, axis=1) > COARSE_PATCH * wanted]] = True
     may = large[patches.piece]
     return may if everything else may & shapes_of(domain)[patches.piece]
 
 
 def _put_together(
     domain: Domain,
-    field: SizeField,
+    field: Wish,
     patches: Patches,
     number: Numbers,
     chain: _Chains,
     coarse: NDArray[np.bool_],
-    limits: tuple[int, Cover | None],
+    limits: Limits,
 ) -> Pieces:
     """Mesh the patches that are coarse or have a cut side, and collect all their triangles."""
     shell = domain.triangulated
-    most, cover = limits
+    most, cover, fill = limits
     cut = np.diff(chain.start) > 2
     touched = coarse.copy()
     touched[patches.patch[cut[number[: len(patches.sides)]]]] = True
@@ -298,11 +309,11 @@ def _put_together(
     rank = np.cumsum(bare) - 1
     laid = lay(chain.points, patches.normal[bare], steps, rank[of], within)
     wide = np.isin(shell.piece, patches.piece[touched])
-    middle = domain.points[shell.triangles[wide]].mean(axis=1)
-    asked = float((_areas(domain)[wide] / (power_of_two(domain.points) * field(middle)) ** 2).sum())
+    corners = domain.points[shell.triangles[wide]]
+    asked = float(wanted_triangles(field, corners, power_of_two(domain.points)).sum())
     if asked > ROUGHLY * most:
         raise InputError(too_many(asked, most))
-    points, rows, patch = meshed(laid, field, chain.points, most)
+    points, rows, patch = meshed(laid, field, chain.points, most, fill)
     parent = patches.piece[bare][patch]
     still = np.ones(len(shell.triangles), dtype=bool)
     still[np.isin(shell.piece, patches.piece[touched & patches.flat])] = False
@@ -313,21 +324,15 @@ def _put_together(
     return _body(domain, points, rows, parent, number, chain)
 
 
-def _areas(domain: Domain) -> Array:
-    """The areas of the triangles of a body, in units in which no product leaves the doubles."""
-    factor = power_of_two(domain.points)
-    x = domain.points[domain.triangulated.triangles] * factor
-    return np.linalg.norm(np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]), axis=1) / 2
-
-
-def _refuse_too_many(points: Array, field: SizeField, edges: Numbers, most: int) -> None:
+def _refuse_too_many(points: Array, field: Wish, edges: Numbers, most: int) -> None:
     """Raise an error if edges alone would have far too many points, by the size at some places of them."""
     if len(edges) == 0:
         return
     along = _Edges(points, edges)
     share = (np.arange(PLACES_OF_EDGE) + 0.5) / PLACES_OF_EDGE
     piece = np.repeat(np.arange(len(edges)), PLACES_OF_EDGE)
-    parts = along.length[piece] / field(along.in_space(piece, np.tile(share, len(edges))))
+    x = along.in_space(piece, np.tile(share, len(edges)))
+    parts = along.length[piece] / wanted_along(field, x, along.along[piece])
     if parts.sum() / PLACES_OF_EDGE > ROUGHLY * most:
         raise InputError(too_many(float(parts.sum()) / PLACES_OF_EDGE, most))
 

@@ -8,6 +8,7 @@ facets takes no more runs than one with ten. See the book, 2.8c.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,14 +21,18 @@ from ...domain.derived import held_by
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing.field import SizeField
+from ...sizing.on_faces import on_plane
+from ...sizing.space_metric import SpaceMetric
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import kept_pieces
 from ..rebay.run import VoronoiSegmentRun, rule_of
 
-__all__ = ["Laid", "frames", "lay", "meshed", "too_many"]
+__all__ = ["Filler", "Laid", "filled_by_size", "frames", "lay", "meshed", "too_many"]
 
 Numbers = NDArray[np.int64]
 Array = NDArray[np.float64]
+# How a domain of the plane is meshed by a size, or a metric, with so many new points, and none on pieces.
+Filler = Callable[[Domain, Any, int], DomainMesh]
 FEW_EDGES = 8.0  # the extent of patches that are meshed together; unit: the size
 EVEN_PATCH = 1.25  # how much larger the largest size in such a patch may be than the least
 SIDE_BY_SIDE = 4096  # patches that are meshed together
@@ -103,18 +108,22 @@ def frames(normal: Array) -> Array:
     return np.stack([first, np.cross(unit, first)], axis=1)
 
 
-def meshed(laid: Laid, field: SizeField, points: Array, most: int) -> tuple[Array, Numbers, Numbers]:
+def meshed(
+    laid: Laid, field: SizeField | SpaceMetric, points: Array, most: int, fill: Filler
+) -> tuple[Array, Numbers, Numbers]:
     """Mesh patches with exactly the given edges.
 
     Parameters
     ----------
     laid : Laid
-    field : SizeField
-        The wanted length of edges.
+    field : SizeField or SpaceMetric
+        The wanted length of edges. With a metric each patch is meshed on its own.
     points : (n, 3) float64
         The points of the body.
     most : int
         The largest number of new points.
+    fill : callable
+        How patches are meshed.
 
     Returns
     -------
@@ -126,11 +135,13 @@ def meshed(laid: Laid, field: SizeField, points: Array, most: int) -> tuple[Arra
         The patch of each.
     """
     many = len(laid.origin)
-    start = np.searchsorted(laid.owner, np.arange(many))
-    h = field(points[laid.vertex])
-    low, high = np.minimum.reduceat(h, start), np.maximum.reduceat(h, start)
-    extent = (np.maximum.reduceat(laid.flat, start) - np.minimum.reduceat(laid.flat, start)).max(axis=1)
-    small = (extent <= FEW_EDGES * low) & (high <= EVEN_PATCH * low)
+    small, low, high = np.zeros(many, dtype=bool), np.ones(many), np.ones(many)
+    if isinstance(field, SizeField):
+        start = np.searchsorted(laid.owner, np.arange(many))
+        h = field(points[laid.vertex])
+        low, high = np.minimum.reduceat(h, start), np.maximum.reduceat(h, start)
+        extent = (np.maximum.reduceat(laid.flat, start) - np.minimum.reduceat(laid.flat, start)).max(axis=1)
+        small = (extent <= FEW_EDGES * low) & (high <= EVEN_PATCH * low)
     together = np.flatnonzero(small)
     groups = [np.array([k]) for k in np.flatnonzero(~small)]
     groups += [together[i : i + SIDE_BY_SIDE] for i in range(0, len(together), SIDE_BY_SIDE)]
@@ -138,7 +149,7 @@ def meshed(laid: Laid, field: SizeField, points: Array, most: int) -> tuple[Arra
     have = len(points)
     for group in groups:
         unit = np.sqrt(low[group] * high[group]) if small[group[0]] else None
-        cells, owner, new = _of_group(laid, group, unit, field, (have, most))
+        cells, owner, new = _of_group(laid, group, unit, field, (have, most, fill))
         have, most = have + len(new), most - len(new)
         every.append(new)
         rows.append(cells)
@@ -147,12 +158,16 @@ def meshed(laid: Laid, field: SizeField, points: Array, most: int) -> tuple[Arra
 
 
 def _of_group(
-    laid: Laid, group: Numbers, unit: Array | None, field: SizeField, room: tuple[int, int]
+    laid: Laid,
+    group: Numbers,
+    unit: Array | None,
+    field: SizeField | SpaceMetric,
+    room: tuple[int, int, Filler],
 ) -> tuple[Numbers, Numbers, Array]:
     """Triangles of some patches, the place of each in the group, and new points.
 
     With units the patches are laid side by side, each in its unit; without, there is only one. ``room`` has
-    the number of the first new point, and how many there may be.
+    the number of the first new point, how many there may be, and how patches are meshed.
     """
     first, last = (np.searchsorted(laid.owner, group, side=side) for side in ("left", "right"))
     count = last - first
@@ -170,22 +185,14 @@ def _of_group(
         scale = 1.0 / unit
         cell = np.stack(np.divmod(np.arange(len(group)), across), axis=1)
         shift = PATCHES_APART * cell - scale[:, None] * np.minimum.reduceat(laid.flat[at], ahead)
-    elif field.constant is not None:
-        wanted = field.constant
     else:
-        origin, (first_axis, second_axis) = laid.origin[group[0]], laid.frame[group[0]]
-        # A product of matrices would be rounded differently from processor to processor.
-        marks = field.landmarks if field.landmarks.shape[1] == 3 else np.empty((0, 3))
-        wanted = SizeField(
-            lambda y: field(origin + y[:, :1] * first_axis + y[:, 1:] * second_axis),
-            landmarks=((marks - origin)[:, None] * laid.frame[group[0]]).sum(axis=2),
-        )
+        wanted = on_plane(field, laid.origin[group[0]], laid.frame[group[0]])
     flat = laid.flat[at] * scale[owner, None] + shift[owner]
     ends, within = moved[laid.ends[edge]], laid.within[edge]
     planar = Domain(flat, ends[~within], inner=ends[within] if within.any() else None)
     planar = held_by(planar, dict.fromkeys(range(len(planar.pieces)), ONE_EDGE), [])
-    have, most = room
-    mesh = _filled(planar, wanted, most)
+    have, most, fill = room
+    mesh = fill(planar, wanted, most)
     old, cells = np.asarray(mesh.origin).astype(np.int64), np.asarray(mesh.simplices)
     new, known = np.flatnonzero(old < 0), np.flatnonzero(old >= 0)
     of = np.zeros(len(old), dtype=np.int64)
@@ -208,7 +215,7 @@ def too_many(count: float, most: int) -> str:
     )
 
 
-def _filled(planar: Domain, size: Any, most: int) -> DomainMesh:
+def filled_by_size(planar: Domain, size: Any, most: int) -> DomainMesh:
     """As `voronoi_segment` without new points on pieces; what it could not reach is judged in space."""
     complex_ = planar_complex(planar, size)
     kept = kept_pieces(False, len(planar.facets), len(planar.pieces), planar.held())

@@ -22,7 +22,7 @@ from ..volume.lacking import what_is_missing
 from ..volume.lattice import MOST_INNER, lattice_points
 from .dividing import Divided, divided
 
-__all__ = ["LARGE_TRIANGLE", "tetrahedra_by_size", "tetrahedralize"]
+__all__ = ["LARGE_TRIANGLE", "as_parts", "tetrahedra_by_size", "tetrahedralize"]
 
 LARGE_TRIANGLE = "a facet is larger than the size; split_boundary=True divides it"
 CUT_UNEVENLY = (
@@ -172,10 +172,10 @@ def _made(
     if parts is None:
         return filled(domain, lattice, names=names, **more, **options)
     parts = parts._replace(names=names)
-    return _as_parts(domain, parts, filled(parts.domain, lattice, names=parts.name, **more, **options))
+    return as_parts(domain, parts, filled(parts.domain, lattice, names=parts.name, **more, **options))
 
 
-def _as_parts(domain: Domain, parts: Divided, mesh: DomainMesh) -> DomainMesh:
+def as_parts(domain: Domain, parts: Divided, mesh: DomainMesh) -> DomainMesh:
     """The mesh of the divided body as one of the body."""
     span = np.asarray(mesh.span)
     low, high = parts.span[mesh.piece].T
@@ -194,4 +194,5 @@ def _as_parts(domain: Domain, parts: Divided, mesh: DomainMesh) -> DomainMesh:
         unrefined=mesh.unrefined,
         reasons=mesh.reasons,
         counts=mesh.counts | {"added on edges and facets": len(parts.domain.points) - len(domain.points)},
+        steps=mesh.steps,
     )

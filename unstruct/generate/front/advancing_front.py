@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flags
@@ -13,17 +13,27 @@ from ...domain.plane.by_region import size_by_region
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.directions import as_metric
 from ...sizing.metric import Metric
+from ...sizing.space_metric import SpaceMetric
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
 from ..rebay.run import VoronoiSegmentRun, rule_of
+from ..space_front.classical_space import classical_in_space
+from ..space_front.in_space import space_front
+from ..space_front.metric_space import metric_space_front
+from ..volume.lacking import what_is_missing
 from .classical import SEARCHES, classical_front, classical_mesh
-from .metric_front import MetricRun
+from .metric_front import MetricRun, filled_by_metric
 from .run import ORDERS, PLACEMENTS, FrontRun, Placement
 
 __all__ = ["advancing_front"]
 
 FRONT_METHODS = ("delaunay", "classical")
+SPACE_METHODS: dict[str, Callable[..., DomainMesh]] = {
+    "delaunay": space_front,
+    "classical": classical_in_space,
+}
+ANOTHER_DIVISION = "tetrahedralize with another seed may recover it"
 FINISHING = 1.35  # the finishing pass inserts points where R is above so many f, as `voronoi_segment` does
 
 
@@ -36,12 +46,12 @@ def advancing_front(
     placement: str | Placement | None = None,
     search: str = "barycenter",
     finish: bool = True,
-    split_boundary: SplitBoundary = True,
+    split_boundary: SplitBoundary | None = None,
     budget: int | None = None,
     history: bool = False,
     progress: bool = False,
 ) -> DomainMesh:
-    """Mesh a planar domain by an advancing front.
+    """Mesh a domain by an advancing front: a region of the plane, or a body in space.
 
     Parameters
     ----------
@@ -76,9 +86,9 @@ def advancing_front(
         has it, or more narrowly about the ideal point.
     finish : bool
         Whether to improve the result afterwards, as `voronoi_segment` does.
-    split_boundary : bool or "inner"
-        Whether the finishing pass may split edges on pieces, on the true curve: True, False, or "inner", for
-        inner pieces only.
+    split_boundary : bool or "inner", optional
+        Whether the finishing pass may split edges on pieces, on the true curve: True (the default), False, or
+        "inner", for inner pieces only. In space: which facets are divided before, as for `tetrahedralize`.
     budget : int, optional
         The largest number of new points, besides those that cut the boundary at first; 10^7 by default.
         If it is spent before the front is empty, nothing is improved afterwards (``reasons``: "budget").
@@ -143,18 +153,48 @@ def advancing_front(
     which the metric turns: long edges of about 1 / ratio of the radius of curvature are needed for the best
     quality. At ratios above 1000 use layers instead.
 
+    *In space* the front consists of triangles, and t is the tetrahedron ahead of a face ABC in a
+    tetrahedralization of what is not meshed. It is accepted if R < 1.1 f, with f = sqrt(6) h / 4; no point
+    is placed within 0.75 h of a vertex, nor where a face of the front is seen under 120 degrees; and cells
+    with R < 1.1 f and three or four faces at the front are closed at once. There, h is at most 1.4 times the
+    mean edge m of ABC, so that cells grow gently from a surface finer than the size. "widest" compares
+    R / f, "shortest" areas. ``placement`` is "equal sides" (XA = XB = XC, between 0.55 m and 1.4 m; the
+    default), "sphere" (the sphere through A, B, C and X has the radius f), "angle", or a function, called as
+    ``placement(a, b, c, h)``. "angle" looks at the edge of ABC where the angle to the next face of the front
+    is least: up to 94 degrees the apex ahead is taken if it is that of this face; up to 169 degrees X halves
+    the angle. The cell ahead of a face is valid, again at all times, but it may be flat: where no point is
+    possible, a "forced" cell may be a sliver, and so may a small one. ``finish`` cures these by `improve`.
+    The number of new points is bounded: six volumes of a cell with a new point are at least 0.05 m^3, these
+    cells do not overlap, and no edge is ever shorter than the shortest one of the triangulation of the
+    surface, or 0.75 times the least h. ``counts`` has "empty sphere" for "empty circle", and "flat", for
+    ideal points whose cells would be flatter than that. ``unrefined`` are the cells with an edge of more than
+    2.5 h; there are some where triangles that stay are larger than the size. ``steps`` has "face" for "edge".
+    Metrics are for the plane.
+
+    *The classical method in space* may stick: no vertex of the front can be joined to any face of it, as with
+    Schönhardt's prism. What is left is then filled by recovery with points inside, and counted. See
+    `unstruct.generate.space_front.classical_space` for its counts and steps.
+
     All signs that decide the topology are exact. O(n) after the boundary is triangulated. Sources: S. H. Lo,
     International Journal for Numerical Methods in Engineering 21 (1985) 1403-1426; J. Peraire et al., Journal
     of Computational Physics 72 (1987) 449-466, also for directions; the front over a triangulation: J. D.
     Mueller, P. L. Roe, H. Deconinck, International Journal for Numerical Methods in Fluids 17 (1993) 241-256;
-    D. L. Marcum, N. P. Weatherill, AIAA Journal 33 (1995) 1619-1625. Book: 3.1, 3.2, 3.3.
+    D. L. Marcum, N. P. Weatherill, AIAA Journal 33 (1995) 1619-1625. Book: 3.1, 3.2, 3.3, 3.5.
     """
-    check_split_boundary(split_boundary)
+    if split_boundary is not None:
+        check_split_boundary(split_boundary)
     as_flags(finish=finish, history=history, progress=progress)
     if not isinstance(method, str) or method not in FRONT_METHODS:
         raise InputError(f"method = {method!r} must be 'delaunay' or 'classical'")
     if not (isinstance(search, str) and search in SEARCHES):
         raise InputError(f"search = {search!r} must be one of {', '.join(map(repr, SEARCHES))}")
+    if isinstance(domain, Domain) and domain.dimension == 3:
+        mesh = _in_space(
+            domain, size, method, order, placement, search, finish=finish, split_boundary=split_boundary,
+            budget=budget, history=history, progress=progress,
+        )  # fmt: skip
+        return noticed(mesh, what_is_missing(domain, mesh, ANOTHER_DIVISION))
+    split_boundary = True if split_boundary is None else split_boundary
     if method == "classical":
         if _has_metric(size):
             raise InputError("a metric is for method = 'delaunay'; the classical method takes sizes")
@@ -184,6 +224,25 @@ def advancing_front(
     with progress_bar(progress, " points") as bar:
         run.march(most, bar)
     return noticed(paired(domain, run.result(most, finish)))
+
+
+def _in_space(
+    domain: Domain, size: Any, method: str, order: str | None, placement: Any, search: str, **options: Any
+) -> DomainMesh:
+    """`advancing_front` for a body."""
+    if options["split_boundary"] == "inner":
+        raise InputError("split_boundary = 'inner' is for the plane; in space it must be True or False")
+    chosen = {"order": order, "placement": placement}
+    if method == "classical":
+        if not (placement is None or (isinstance(placement, str) and placement == "equal sides")):
+            raise InputError(f"placement = {placement!r} must be 'equal sides' for the classical method")
+        chosen = {"order": order, "search": search}
+    options |= {name: choice for name, choice in chosen.items() if choice is not None}
+    if isinstance(size, SpaceMetric):
+        if method == "classical":
+            raise InputError("a metric is for method = 'delaunay'; the classical method takes sizes")
+        return metric_space_front(domain, size, filled_by_metric, **options)
+    return SPACE_METHODS[method](domain, size, **options)
 
 
 def _has_metric(size: Any) -> bool:

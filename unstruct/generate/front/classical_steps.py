@@ -32,11 +32,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.candidate_heap import put, take
 from ...base.codes import DONE, MORE, ROOM
 from ...base.heap import pop, push
 from ...base.jit import inline, lean
 from ...sizing.table import ROOT3, Nodes, size_at
-from .candidate_heap import put, take
 from .digital_tree import gather
 from .open_front import (
     CROSSED,

@@ -30,6 +30,8 @@ from ..boundary.constrained import planar_complex
 from ..boundary.kept import kept_pieces
 from ..boundary.pairs import paired
 from ..rebay.run import TOLERANCE
+from ..space_front.given_points import given_points_in_space
+from ..volume.lacking import what_is_missing
 from . import delaunay_steps as k
 from .classical import emptied, enter_all, finished_mesh, waiting_for
 from .classical_steps import Choices, Waiting
@@ -51,14 +53,15 @@ def front_delaunay(
     history: bool = False,
     progress: bool = False,
 ) -> DomainMesh:
-    """Mesh a planar domain cell by cell from its boundary, each by the empty circle.
+    """Mesh a domain cell by cell from its boundary, each by the empty circle; in space, by the empty sphere.
 
     Parameters
     ----------
     domain : Domain
-    points_or_size : array_like, shape (k, 2); or a size
-        Points to be triangulated, or the wanted edge length: a number, function, SizeField, or dict of region
-        name to one of these. With a size the boundary is cut by it, and points are made ahead of the front.
+    points_or_size : array_like, shape (k, 2), in space (k, 3); or a size
+        Points to be triangulated, or, in the plane, the wanted edge length: a number, function, SizeField, or
+        dict of region name to one of these. With a size the boundary is cut by it, and points are made ahead
+        of the front.
     finish : bool
         With a size: whether to improve the result afterwards, as `voronoi_segment` does. Given points stay.
     budget : int, optional
@@ -100,12 +103,22 @@ def front_delaunay(
     circle up to rounding and none inside, each of them costs O(k). All signs are exact.
 
     With a size the points come first, from a front of their own that takes the widest cell first; then they
-    are triangulated. Source: the source chapter, 12.3.4; D. Lee, A. Lin, Discrete & Computational Geometry 1
-    (1986) 201-217, for visibility. Book: 3.4.
+    are triangulated.
+
+    *In space* faces take the place of edges, and spheres that of circles; a vertex is visible if the solid
+    tetrahedron meets the front in its own faces, edges and corners only. If a constrained Delaunay
+    tetrahedralization exists, the result is one. It need not exist: ``counts`` has the faces inside that are
+    "not Delaunay", and the "stuck faces", which have no apex; what they enclose is "filled" by recovery.
+    These cells are in ``unrefined``. "cospherical" stands for "cocircular", and "face" for "edge". Ties are
+    decided alike for all faces (`unstruct.generate.space_front.empty_sphere`). Sources: the source chapter,
+    12.3.4; D. Lee, A. Lin, Discrete & Computational Geometry 1 (1986) 201-217, for
+    visibility. Book: 3.4, 3.5.
     """
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     as_flags(history=history, finish=finish, progress=progress)
-    domain = as_domain(domain)
+    domain = as_domain(domain, None)
+    if domain.dimension == 3:
+        return _in_space(domain, points_or_size, finish, history, progress)
     if not len(domain.facets):
         raise InputError("the domain has no facets, so nothing is inside: give facets")
     points = _as_given(points_or_size)
@@ -151,10 +164,21 @@ def front_delaunay(
     return noticed(paired(domain, mesh))
 
 
+def _in_space(domain: Domain, points: Any, finish: bool, history: bool, progress: bool) -> DomainMesh:
+    """`front_delaunay` for a body."""
+    rows = _as_given(points, 3)
+    if rows is None:
+        raise InputError("in space front_delaunay takes points (k, 3); with a size use advancing_front")
+    if finish:
+        raise InputError("finish=True goes with a size, and not with points, which stay where they are")
+    mesh = given_points_in_space(domain, rows, history=history, progress=progress)
+    return noticed(mesh, what_is_missing(domain, mesh))
+
+
 # --- the input ------------------------------------------------------------------------------------
 
 
-def _as_given(value: Any) -> NDArray[np.float64] | None:
+def _as_given(value: Any, dimension: int = 2) -> NDArray[np.float64] | None:
     """The points, or None if the value is a size."""
     if not isinstance(value, (list, tuple, np.ndarray)):
         return None
@@ -162,9 +186,11 @@ def _as_given(value: Any) -> NDArray[np.float64] | None:
         return None
     if len(value) and not isinstance(value[0], (list, tuple, np.ndarray)):
         return None
-    rows = as_points(value) if len(value) else np.empty((0, 2))
-    if rows.shape[1] != 2:
-        raise InputError(f"points must have shape (k, 2), not {rows.shape}; a size is a number or a function")
+    rows = as_points(value) if len(value) else np.empty((0, dimension))
+    if rows.shape[1] != dimension:
+        raise InputError(
+            f"points must have shape (k, {dimension}), not {rows.shape}; a size is a number or a function"
+        )
     return rows
 
 

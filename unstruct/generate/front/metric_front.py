@@ -8,11 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.codes import DONE, ROOM
+from ...base.errors import InputError
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.stars import Stars, opposite_half_edges
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing.metric import Metric
+from ..bodies.laying import too_many
+from ..boundary.constrained import planar_complex
 from ..rebay.queue import ACCEPTED, STATUS, empty_queue, grown_links
 from ..rebay.run import FRONT_STEPS_A_CALL
 from . import metric_improve as improving
@@ -21,7 +24,7 @@ from . import metric_steps as k
 from .bookkeeping import FRONT_COUNTS, MADE, WIDEST, FrontRule
 from .run import LENGTHS, ORDERS, PLACEMENTS, SPARE_NUMBERS, WIDTHS, accounted, columns, longer_diary
 
-__all__ = ["MetricRun"]
+__all__ = ["MetricRun", "filled_by_metric"]
 
 # Before the front starts, passes of swaps for metric circles: at most so many, and so many triangles seen.
 FEWEST_PASSES, MOST_PASSES, MOST_SEEN = 12, 400, 4e6
@@ -229,3 +232,12 @@ class MetricRun:
             "size": numbers[:, 2] / c.factor,
             "radius": numbers[:, 3].copy(),
         }
+
+
+def filled_by_metric(planar: Domain, metric: Metric, most: int) -> DomainMesh:
+    """A domain of the plane whose pieces stay as they are, meshed by a metric: for faces of bodies."""
+    run = MetricRun(planar, planar_complex(planar, metric), metric, "widest", "circle", False)
+    run.march(most, None)
+    if run.spent:
+        raise InputError(too_many(most + 1, most))
+    return run.result(True)

@@ -23,7 +23,7 @@ from ...base.jit import inline, lean
 from ...geometry.boxes import BoxTree
 from ...geometry.parity import even_odd
 from ...geometry.segment_pairs import meetings
-from .facing import mark_crowded
+from .facing import beside, mark_crowded
 from .rays import Rays
 from .scene import Scene, rest_of
 from .stops import BY_EXACTNESS, BY_SHAPE, Stops, chains_of
@@ -39,6 +39,7 @@ LEAST_OPENING = np.radians(50.0)  # between two edges of the envelope, unless th
 SAME_OPENING = 0.93  # ... by this factor
 SHORT_FAN = 0.15  # edges of a fan are at least so long, in units of the edge beside it
 WITHOUT_TREE = 64  # for so few vertices no tree is made
+USUAL_BOXES = 64  # of strips around a vertex, for which there is room without one
 ROUNDS_OF_ROOM = 60  # after so many the levels are lowered faster
 
 
@@ -128,7 +129,9 @@ def _swallowed(
     i, j = rays.left[strip], rays.right[strip]
     x, low, high = numbers.points[vertices], *np.empty((2, len(strip), 2))
     _enclose_strips(numbers.points, (numbers.start, rays.base, i, j), level, low, high)
-    query, hit = _in_boxes(x, low, high) if len(x) <= WITHOUT_TREE else BoxTree(low, high).pairs(x, x)
+    query, hit = np.empty((2, USUAL_BOXES * len(x)), dtype=np.int64)
+    many = _in_boxes(x, low, high, query, hit) if len(x) <= WITHOUT_TREE else len(query) + 1
+    query, hit = (query[:many], hit[:many]) if many <= len(query) else BoxTree(low, high).pairs(x, x)
     away = (vertices[query] != rays.base[i[hit]]) & (vertices[query] != rays.base[j[hit]])
     found: list[int] = []
     for q, h in zip(query[away].tolist(), hit[away].tolist()):
@@ -155,11 +158,17 @@ def _enclose_strips(x, front, level, low, high):
             high[s, k] = max(x[a, k], x[b, k], x[c, k], x[d, k])
 
 
-def _in_boxes(x: Array, low: Array, high: Array) -> tuple[Integers, Integers]:
-    """Pairs of a point and a box that holds it, for few points."""
-    held = (low <= x[:, None]) & (x[:, None] <= high)
-    query, hit = np.nonzero(held[..., 0] & held[..., 1])
-    return query, hit
+@lean
+def _in_boxes(x, low, high, query, hit):
+    """Write the pairs of a point and a box that holds it, for few points; returns how many there are."""
+    many = 0
+    for q in range(len(x)):
+        for h in range(len(low)):
+            if low[h, 0] <= x[q, 0] <= high[h, 0] and low[h, 1] <= x[q, 1] <= high[h, 1]:
+                if many < len(query):
+                    query[many], hit[many] = q, h
+                many += 1
+    return many
 
 
 def _open_angles(rays: Rays, level: Integers, x: Array, numbers: Numbering, lower: Integers) -> None:
@@ -204,11 +213,7 @@ def _lower_sharp(x, at, base, around, level, lower):
 def _without_room(x: Array, top: Integers, rest: Integers) -> Integers:
     """Edges of the envelope that another edge faces at less than a share of the length of either."""
     edges = np.concatenate([top, rest])
-    a, b = x[edges[:, 0]], x[edges[:, 1]]
-    low, high = np.minimum(a, b), np.maximum(a, b)
-    length = np.hypot(*(b - a).T)
-    grown = (LEAST_ROOM * length[: len(top)])[:, None]
-    pairs = BoxTree(low, high).pairs(low[: len(top)] - grown, high[: len(top)] + grown)
+    pairs, length = beside(x, edges, len(top), LEAST_ROOM)
     crowded = np.zeros(len(edges), dtype=bool)
     mark_crowded(x, edges, pairs, length, LEAST_ROOM, len(top), crowded)
     return np.flatnonzero(crowded[: len(top)])

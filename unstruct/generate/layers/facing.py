@@ -4,11 +4,39 @@ from __future__ import annotations
 
 import math
 
-from ...base.jit import inline, kernel
+import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["mark_crowded", "mark_long"]
+from ...base.jit import inline, kernel
+from ...geometry.boxes import BoxTree
+
+__all__ = ["beside", "mark_crowded", "mark_long"]
 
 FACING = 0.35  # the sine of the angle under which edges see each other's middles at least, if they face
+
+
+def beside(
+    x: NDArray[np.float64], edges: NDArray[np.int64], many: int, factor: float
+) -> tuple[tuple[NDArray[np.int64], NDArray[np.int64]], NDArray[np.float64]]:
+    """Pairs of one of the first edges and any edge that may be nearer than a factor times the length of it.
+
+    Returns the lengths of all edges, too.
+    """
+    (low, high, query_low, query_high), length = np.empty((4, len(edges), 2)), np.empty(len(edges))
+    _enclose_edges(x, edges, factor, (low, high), (query_low, query_high), length)
+    return BoxTree(low, high).pairs(query_low[:many], query_high[:many]), length
+
+
+@kernel
+def _enclose_edges(x, edges, factor, boxes, queries, length):
+    """Write the boxes of edges, wider ones, and their lengths."""
+    for i in range(len(edges)):
+        a, b = edges[i, 0], edges[i, 1]
+        length[i] = math.hypot(x[b, 0] - x[a, 0], x[b, 1] - x[a, 1])
+        for k in range(2):
+            low, high = min(x[a, k], x[b, k]), max(x[a, k], x[b, k])
+            boxes[0][i, k], boxes[1][i, k] = low, high
+            queries[0][i, k], queries[1][i, k] = low - factor * length[i], high + factor * length[i]
 
 
 @inline

@@ -57,14 +57,11 @@ def fronts_of(
 ) -> Fronts:
     """The table for all rays; ``subsegments`` are the ends, pieces and spans of all subsegments."""
     x = walls.points[rays.base]
-    side = np.hypot(*(walls.points[walls.ends[:, 1]] - walls.points[walls.ends[:, 0]]).T)
-    heights = _heights(layers, x, float(side.max()))
-    heights = np.ascontiguousarray(heights * rays.scale[:, None])
-    places = np.empty((*heights.shape, 2))
-    _lay_straight(x, rays.direction, heights, places)
-    parameter = np.zeros(heights.shape)
-    most = np.full(len(x), heights.shape[1] - 1, dtype=np.int64)
-    most[rays.kind == TAPER_RAY] = 0
+    given = _heights(layers, x, _longest(walls.points, walls.ends))
+    shape = len(x), given.shape[1]
+    heights, parameter, places = np.empty(shape), np.zeros(shape), np.empty((*shape, 2))
+    most = np.empty(len(x), dtype=np.int64)
+    _lay_straight(x, rays, given, heights, places, most)
     sliding = np.flatnonzero(rays.kind == SLIDING_RAY)
     ends, piece, span = subsegments
     users = np.bincount(piece[rays.slide[sliding]], minlength=len(domain.pieces))
@@ -86,7 +83,7 @@ def fronts_of(
 
 
 def _heights(layers: Layers, x: Array, longest: float) -> Array:
-    """Total heights at each base, (r, k + 1), as many as could be needed."""
+    """Total heights at each base, (r, k + 1), or at all of them, (1, k + 1), as many as could be needed."""
     given = [
         np.size(value) for name, value in layers.given.items() if name != "count" and not callable(value)
     ]
@@ -101,7 +98,7 @@ def _heights(layers: Layers, x: Array, longest: float) -> Array:
     if count is None:  # what is not needed is cut off
         wanted = (np.diff(found).reshape(-1, MOST_LEVELS) < BEYOND * longest).sum(axis=1).max() + 1
         found = found[..., : int(min(wanted, MOST_LEVELS)) + 1]
-    return np.broadcast_to(found, (len(x), found.shape[-1]))
+    return np.ascontiguousarray(found.reshape(-1, found.shape[-1]))
 
 
 def _along(domain: Domain, piece: int, forward: bool, heights: Array) -> tuple[Array, float]:
@@ -120,13 +117,25 @@ def _along(domain: Domain, piece: int, forward: bool, heights: Array) -> tuple[A
 
 
 @kernel
-def _lay_straight(x, direction, heights, places):
-    """Fill the places of rays that do not slide."""
+def _longest(points, ends):
+    """The length of the longest side."""
+    found = 0.0
+    for i in range(len(ends)):
+        a, b = ends[i, 0], ends[i, 1]
+        found = max(found, math.hypot(points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]))
+    return found
+
+
+@kernel
+def _lay_straight(x, rays, given, heights, places, most):
+    """Fill heights, the places of rays that do not slide, and how many layers a ray can have."""
     for r in range(places.shape[0]):
-        for j in range(2):
-            places[r, 0, j] = x[r, j]
-            for k in range(1, places.shape[1]):
-                places[r, k, j] = x[r, j] + direction[r, j] * heights[r, k]
+        most[r] = 0 if rays.kind[r] == TAPER_RAY else places.shape[1] - 1
+        row = r if len(given) > 1 else 0
+        for k in range(places.shape[1]):
+            heights[r, k] = given[row, k] * rays.scale[r]
+            for j in range(2):
+                places[r, k, j] = x[r, j] + rays.direction[r, j] * heights[r, k] if k > 0 else x[r, j]
 
 
 @kernel

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.elementary import cosines, sines, turns
+from ...base.elementary import angle_of, cosine, sine
 from ...base.jit import inline, kernel
 from ...domain.domain import Domain
 from .walls import Walls
@@ -25,7 +25,6 @@ __all__ = [
     "SLIDING_RAY",
     "TAPER_RAY",
     "Rays",
-    "directed",
     "rays_of",
 ]
 
@@ -35,6 +34,8 @@ Integers = NDArray[np.int64]
 FREE_RAY, HELD_RAY, FAN_RAY, SLIDING_RAY, TAPER_RAY = range(5)  # kinds of rays
 FAN_FROM = np.radians(230.0)  # the angle of the fluid from which on a vertex has a fan
 FAN_STEP = np.radians(20.0)  # the largest angle between two rays of a fan
+MOST_IN_FAN = 10  # rays: the angle between the first and the last is at most a half turn
+BLUNT = np.radians(150.0)  # at corners of the fluid below this angle rays are not smoothed
 SLIDING_ANGLES = np.radians(50.0), np.radians(130.0)  # angles at which a ray may follow the neighboring piece
 SHARPEST = np.radians(30.0)  # corners of the fluid below this get no layers
 SHARPEST_BODY = np.radians(285.0)  # the angle of the fluid up to which one ray may stand for a fan
@@ -83,40 +84,72 @@ class Rays(NamedTuple):
     after: Integers
 
 
-def directed(walls: Walls) -> tuple[Array, Array, Array]:
-    """The unit vectors along sides, the normals to their left, and their lengths."""
-    a, b = walls.points[walls.ends].transpose(1, 0, 2)
-    along = b - a
-    length = np.hypot(*along.T)
-    along = along / length[:, None]
-    return along, np.column_stack([-along[:, 1], along[:, 0]]), length
+@inline
+def _clockwise(back_x, back_y, out_x, out_y):
+    """The angle from a vector clockwise to another one, in (0, 2 pi]."""
+    dot = 0.0 + back_x * out_x + back_y * out_y  # no negative zero
+    angle = angle_of(back_y * out_x - back_x * out_y, dot)
+    return angle + 2 * math.pi if angle <= 0.0 else angle
 
 
-def _clockwise(back: Array, out: Array) -> Array:
-    """The angle from ``back`` clockwise to ``out``, in (0, 2 pi]."""
-    cross = back[:, 1] * out[:, 0] - back[:, 0] * out[:, 1]
-    angle = turns(cross, (back * out).sum(axis=1))
-    return np.where(angle <= 0.0, angle + 2 * np.pi, angle)
+@kernel
+def _direct(points, ends, along, normal):
+    """Write the unit vectors along sides, and the normals to their left."""
+    for i in range(len(ends)):
+        a, b = ends[i, 0], ends[i, 1]
+        u, v = points[b, 0] - points[a, 0], points[b, 1] - points[a, 1]
+        length = math.hypot(u, v)
+        along[i, 0], along[i, 1] = u / length, v / length
+        normal[i, 0], normal[i, 1] = -along[i, 1], along[i, 0]
 
 
-class _Rows:
-    """Rays while they are collected."""
+@kernel
+def _at_joints(sides, vectors, single, angle, rows, strips):
+    """Write the rays where a side follows another one, and the strips; returns how many there are of each.
 
-    def __init__(self) -> None:
-        self.base: list[Integers] = []
-        self.direction: list[Array] = []
-        self.kind: list[Integers] = []
-        self.slide: list[Integers] = []
-        self.count = 0
-
-    def add(self, base: Integers, direction: Array, kind: Integers, slide: Integers) -> Integers:
-        """Append rows; their numbers."""
-        self.base.append(base)
-        self.direction.append(direction)
-        self.kind.append(kind)
-        self.slide.append(slide)
-        self.count += len(base)
-        return np.arange(self.count - len(base), self.count)
+    First come the single rays, then those of fans; strips of sides come first, in their order.
+    ``angle`` is room for that of the fluid at the end of each side.
+    """
+    ends, after, segment, wake = sides
+    along, normal = vectors
+    base, direction, kind = rows
+    left, right, owner = strips
+    many, count = 0, len(ends)
+    for i in range(len(ends)):
+        owner[i], angle[i], j, v = i, 0.0, after[i], ends[i, 1]
+        if j < 0:
+            continue
+        x, y = -along[i, 0], -along[i, 1]
+        turn = _clockwise(x, y, along[j, 0], along[j, 1])
+        end = wake[i] and wake[j] and segment[i] == segment[j]
+        tapered = end or turn < SHARPEST
+        if turn > FAN_FROM and not end:
+            if not single[v]:
+                angle[i] = turn  # for a fan
+                continue
+            tapered = tapered or turn > SHARPEST_BODY
+        held = turn < BLUNT or turn > FAN_FROM
+        c, s = cosine(turn / 2), sine(turn / 2)
+        base[many], kind[many] = v, TAPER_RAY if tapered else HELD_RAY if held else FREE_RAY
+        direction[many, 0], direction[many, 1] = x * c + y * s, y * c - x * s
+        right[i] = left[j] = many
+        many += 1
+    for i in range(len(ends)):
+        if angle[i] == 0.0:
+            continue
+        parts = math.ceil((angle[i] - math.pi) / FAN_STEP - 1e-9)
+        x, y = normal[i, 0], normal[i, 1]
+        right[i], left[after[i]] = many, many + parts
+        for place in range(parts + 1):
+            turn = -(angle[i] - math.pi) * place / max(parts, 1)
+            c, s = cosine(turn), sine(turn)
+            base[many], kind[many] = ends[i, 1], FAN_RAY
+            direction[many, 0], direction[many, 1] = x * c - y * s, x * s + y * c
+            if place < parts:
+                left[count], right[count], owner[count] = many, many + 1, i
+                count += 1
+            many += 1
+    return many, count
 
 
 def rays_of(
@@ -135,75 +168,25 @@ def rays_of(
     single : (n,) bool, optional
         Vertices that get one ray in place of a fan, or none if the body is sharper than a right angle there.
     """
-    along, normal, _ = directed(walls)
-    rows, m = _Rows(), len(walls.ends)
-    left, right = np.full(m, -1, dtype=np.int64), np.full(m, -1, dtype=np.int64)
-    joined = np.flatnonzero(walls.after >= 0)
-    follow = walls.after[joined]
-    angle = _clockwise(-along[joined], along[follow])
-    fan = angle > FAN_FROM
-    end = walls.wake[joined] & walls.wake[follow] & (walls.segment[joined] == walls.segment[follow])
-    fan &= ~end
-    tapered = end | (angle < SHARPEST)
-    if single is not None:
-        alone = fan & single[walls.ends[joined, 1]]
-        fan &= ~alone
-        tapered |= alone & (angle > SHARPEST_BODY)
-    plain = ~fan
-    kind = np.where(
-        tapered, TAPER_RAY, np.where((angle < np.radians(150.0)) | (angle > FAN_FROM), HELD_RAY, FREE_RAY)
+    m = len(walls.ends)
+    along, normal = np.empty((2, m, 2))
+    _direct(walls.points, walls.ends, along, normal)
+    single = np.zeros(len(walls.points), dtype=bool) if single is None else single
+    most = m * (MOST_IN_FAN + 1)  # room that is not used costs nothing
+    (base, left, right, owner), kinds = np.empty((4, most), dtype=np.int64), np.empty(most, dtype=np.int8)
+    left[:m], right[:m], direction = -1, -1, np.empty((most, 2))
+    sides = walls.ends, walls.after, walls.segment, walls.wake
+    rows, strips = (base, direction, kinds), (left, right, owner)
+    count, many = _at_joints(sides, (along, normal), single, np.empty(m), rows, strips)
+    slide: Integers = np.full(count, -1, dtype=np.int64)
+    base, direction, kinds = base[:count], direction[:count], kinds[:count]
+    if (walls.after < 0).any() or (walls.before < 0).any():
+        more = _open_ends(domain, walls, along, other, piece, count, (left, right))
+        base, direction = np.concatenate([base, more[0]]), np.concatenate([direction, more[1]])
+        kinds, slide = np.concatenate([kinds, more[2].astype(np.int8)]), np.concatenate([slide, more[3]])
+    return _smoothed(
+        walls, normal, (base, direction, kinds, slide), (left[:many], right[:many], owner[:many])
     )
-    (x, y), c, s = -along[joined].T, cosines(angle / 2), sines(angle / 2)
-    bisector = np.column_stack([x * c + y * s, y * c - x * s])
-    number = rows.add(
-        walls.ends[joined[plain], 1], bisector[plain], kind[plain], np.full(plain.sum(), -1, dtype=np.int64)
-    )
-    right[joined[plain]] = number
-    left[follow[plain]] = number
-    strips = _fans(walls, (joined[fan], follow[fan], angle[fan]), normal, rows, (left, right))
-    _open_ends(domain, walls, along, other, piece, rows, (left, right))
-    direction = np.concatenate([*rows.direction, np.empty((0, 2))])
-    left, right = np.concatenate([left, strips[0]]), np.concatenate([right, strips[1]])
-    before, after = np.full((2, rows.count), -1, dtype=np.int64)
-    after[left], before[right] = right, left
-    found = Rays(
-        np.concatenate([*rows.base, np.empty(0, dtype=np.int64)]).astype(np.int64),
-        direction / np.hypot(*direction.T)[:, None],
-        np.ones(rows.count),
-        np.concatenate([*rows.kind, np.empty(0, dtype=np.int64)]).astype(np.int8),
-        np.concatenate([*rows.slide, np.empty(0, dtype=np.int64)]).astype(np.int64),
-        np.ones(rows.count),
-        left,
-        right,
-        np.concatenate([np.arange(m), strips[2]]),
-        before,
-        after,
-    )
-    return _smoothed(walls, found, normal)
-
-
-def _fans(
-    walls: Walls,
-    corners: tuple[Integers, Integers, Array],
-    normal: Array,
-    rows: _Rows,
-    rays: tuple[Integers, Integers],
-) -> tuple[Integers, Integers, Integers]:
-    """Add the rays of fans; the strips between them."""
-    sides, follow, angle = corners
-    left, right = rays
-    parts = np.ceil((angle - np.pi) / FAN_STEP - 1e-9).astype(np.int64)
-    owner = np.repeat(np.arange(len(sides)), parts + 1)
-    place = np.arange(len(owner)) - np.repeat(np.cumsum(parts + 1) - parts - 1, parts + 1)
-    turn = -(angle[owner] - np.pi) * place / np.maximum(parts[owner], 1)
-    (x, y), c, s = normal[sides[owner]].T, cosines(turn), sines(turn)
-    direction = np.column_stack([x * c - y * s, x * s + y * c])
-    base = walls.ends[sides[owner], 1]
-    number = rows.add(base, direction, np.full(len(owner), FAN_RAY), np.full(len(owner), -1, dtype=np.int64))
-    right[sides] = number[place == 0]
-    left[follow] = number[place == parts[owner]]
-    inner = place < parts[owner]
-    return number[inner], number[inner] + 1, sides[owner[inner]]
 
 
 def _open_ends(
@@ -212,23 +195,26 @@ def _open_ends(
     along: Array,
     other: Integers,
     piece: Integers,
-    rows: _Rows,
+    many: int,
     rays: tuple[Integers, Integers],
-) -> None:
-    """Add the rays where walls end at other pieces: along these, where that is possible."""
+) -> tuple[Integers, Array, Integers, Integers]:
+    """The rays where walls end at other pieces: along these, where that is possible.
+
+    Returns their bases, directions, kinds, and the subsegments that they follow; ``many`` is how many rays
+    there are before these.
+    """
     left, right = rays
     ends = np.flatnonzero(walls.after < 0)
     starts = np.flatnonzero(walls.before < 0)
     side = np.concatenate([ends, starts])
-    if not len(side):
-        return
     vertex = np.concatenate([walls.ends[ends, 1], walls.ends[starts, 0]])
     bound = np.concatenate([walls.bound_after[ends], walls.bound_before[starts]])
     far = np.where(other[bound, 0] == vertex, other[bound, 1], other[bound, 0])
     away = walls.points[far] - walls.points[vertex]
     away = away / np.hypot(*away.T)[:, None]
     is_end = np.arange(len(side)) < len(ends)
-    angle = np.where(is_end, _clockwise(-along[side], away), _clockwise(away, along[side]))
+    angle = np.empty(len(side))
+    _measure_ends(along[side], away, is_end, angle)
     slides = (angle >= SLIDING_ANGLES[0]) & (angle <= SLIDING_ANGLES[1]) & ~domain.held()[piece[bound]]
     inner = piece[bound] >= len(domain.facets)
     # Points on an inner piece are seen from both sides: both must be walls along which layers end there.
@@ -238,31 +224,63 @@ def _open_ends(
     slides &= ~inner | (good[group] == 2)
     shared = np.flatnonzero(slides)
     first = np.unique(group[shared], return_index=True)[1]
-    some = shared[first]
-    kinds = np.full(len(some), SLIDING_RAY)
+    some, rest = shared[first], np.flatnonzero(~slides)
     number = np.full(len(values), -1, dtype=np.int64)
-    number[group[some]] = rows.add(vertex[some], away[some], kinds, bound[some])
+    number[group[some]] = many + np.arange(len(some))
     ray = number[group]
-    rest = np.flatnonzero(~slides)
     mean = np.where(is_end[rest, None], -along[side[rest]], along[side[rest]]) + away[rest]
     mean[np.hypot(*mean.T) == 0.0] = 1.0
-    ray[rest] = rows.add(vertex[rest], mean, np.full(len(rest), TAPER_RAY), np.full(len(rest), -1))
+    ray[rest] = many + len(some) + np.arange(len(rest))
     right[ends], left[starts] = ray[: len(ends)], ray[len(ends) :]
+    kinds = np.repeat([SLIDING_RAY, TAPER_RAY], [len(some), len(rest)])
+    slide = np.concatenate([bound[some], np.full(len(rest), -1)])
+    return vertex[np.concatenate([some, rest])], np.concatenate([away[some], mean]), kinds, slide
 
 
-def _smoothed(walls: Walls, rays: Rays, normal: Array) -> Rays:
-    """The rays with smoothed directions, and the factors of their heights."""
-    sides = len(walls.ends)
-    coming, going = np.full((2, len(rays.base)), -1, dtype=np.int64)
-    coming[rays.right[:sides]] = np.arange(sides)
-    going[rays.left[:sides]] = np.arange(sides)
-    coming, going = np.where(coming < 0, going, coming), np.where(going < 0, coming, going)
-    direction = rays.direction.copy()
-    scale, cosine = np.empty((2, len(rays.base)))
-    around = rays.before, rays.after, coming, going, rays.kind
-    _smooth(walls.points[rays.base], normal, around, direction)
-    _stretch(normal, around, direction, scale, cosine)
-    return rays._replace(direction=direction, scale=scale, cosine=cosine)
+@kernel
+def _measure_ends(along, away, is_end, angle):
+    """Write the angles of the fluid between sides and the pieces at which they end."""
+    for i in range(len(angle)):
+        x, y, u, v = along[i, 0], along[i, 1], away[i, 0], away[i, 1]
+        angle[i] = _clockwise(-x, -y, u, v) if is_end[i] else _clockwise(u, v, x, y)
+
+
+def _smoothed(
+    walls: Walls,
+    normal: Array,
+    rows: tuple[Integers, Array, NDArray[np.int8], Integers],
+    strips: tuple[Integers, Integers, Integers],
+) -> Rays:
+    """The rays with directions of unit length, which are smoothed, and the factors of their heights."""
+    base, direction, kinds, slide = rows
+    before, after, coming, going = np.empty((4, len(base)), dtype=np.int64)
+    direction, (scale, cosine_) = direction.copy(), np.empty((2, len(base)))
+    around = before, after, coming, going, kinds
+    _surround(strips, len(walls.ends), around, direction)
+    _smooth(walls.points, base, normal, around, direction)
+    _stretch(normal, around, direction, scale, cosine_)
+    left, right, side = (array.copy() for array in strips)
+    return Rays(base.copy(), direction, scale, kinds.copy(), slide, cosine_, left, right, side, before, after)
+
+
+@kernel
+def _surround(strips, sides, around, direction):
+    """Write what is around each ray, -1 for none, and scale the directions to unit length."""
+    left, right, _ = strips
+    before, after, coming, going, _ = around
+    for r in range(len(before)):
+        before[r] = after[r] = coming[r] = going[r] = -1
+        length = math.hypot(direction[r, 0], direction[r, 1])
+        direction[r, 0], direction[r, 1] = direction[r, 0] / length, direction[r, 1] / length
+    for s in range(len(left)):
+        after[left[s]], before[right[s]] = right[s], left[s]
+        if s < sides:
+            coming[right[s]], going[left[s]] = s, s
+    for r in range(len(before)):
+        if coming[r] < 0:
+            coming[r] = going[r]
+        elif going[r] < 0:
+            going[r] = coming[r]
 
 
 @inline
@@ -283,7 +301,7 @@ def _seen(normal, coming, going, kind, r, x, y):
 
 
 @kernel
-def _smooth(x, normal, around, direction):
+def _smooth(points, base, normal, around, direction):
     """Turn free rays towards the mean of their neighbors, as long as both sides stay well visible."""
     before, after, coming, going, kind = around
     n = len(before)
@@ -291,8 +309,9 @@ def _smooth(x, normal, around, direction):
     for r in range(n):
         if _is_free(before, after, kind, r):
             p, q = before[r], after[r]
-            to_p = math.hypot(x[p, 0] - x[r, 0], x[p, 1] - x[r, 1])
-            to_q = math.hypot(x[q, 0] - x[r, 0], x[q, 1] - x[r, 1])
+            x, y = points[base[r], 0], points[base[r], 1]
+            to_p = math.hypot(points[base[p], 0] - x, points[base[p], 1] - y)
+            to_q = math.hypot(points[base[q], 0] - x, points[base[q], 1] - y)
             share[r] = to_q / max(to_p + to_q, 1e-300)
             one, two = _seen(normal, coming, going, kind, r, direction[r, 0], direction[r, 1])
             least[r] = max(min(one, two, VISIBLE), VISIBLE * 0.5)

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.arrays import flagged
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain
 from ...domain.plane.by_region import size_by_region
 from ...domain.plane.prescribed import mirrored
 from ...domain.plane.sample import halve, safe
-from ...geometry.boxes import BoxTree
 from ...sizing.field import SizeField, as_size
 from ..boundary.constrained import complex_of
-from .facing import mark_long
+from .facing import beside, mark_long
 from .walls import Walls, walls_of
 
 __all__ = ["spaced_walls"]
@@ -76,15 +76,10 @@ def _too_long(domain: Domain, walls: Walls, c: PlanarComplex) -> tuple[NDArray[n
     x = walls.points
     piece = c.piece[: c.segments].astype(np.int64)
     m = len(walls.ends)
-    beside = np.ones(c.segments, dtype=bool)
-    beside[walls.segment] = False
-    edges = np.concatenate([walls.ends, c.ends[: c.segments][beside]])
-    corners = domain.pieces[np.concatenate([piece[walls.segment], piece[beside]])]
-    a, b = x[edges[:, 0]], x[edges[:, 1]]
-    length = np.hypot(*(b - a).T)
-    grown = (length[:m] / (OF_A_GAP * HALVED_BEYOND))[:, None]
-    low, high = np.minimum(a, b), np.maximum(a, b)
-    pairs = BoxTree(low, high).pairs(low[:m] - grown, high[:m] + grown)
+    others = np.flatnonzero(~flagged(c.segments, walls.segment))
+    edges = np.concatenate([walls.ends, c.ends[others]])
+    corners = domain.pieces[piece[np.concatenate([walls.segment, others])]]
+    pairs, length = beside(x, edges, m, 1.0 / (OF_A_GAP * HALVED_BEYOND))
     long = np.zeros(m, dtype=bool)
     mark_long(x, edges, corners, pairs, length, HALVED_BEYOND * OF_A_GAP, long)
     for side in (walls.after, walls.before):

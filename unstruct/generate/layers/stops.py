@@ -89,96 +89,139 @@ def stops_of(
     slides : (r,) int64
         The piece that each sliding ray follows, else -1.
     """
-    level, reason = _matched(rays, fronts, size)
-    level[rays.kind == TAPER_RAY], reason[rays.kind == TAPER_RAY] = 0, BY_END
-    stops = leveled(Stops(level, reason), rays)
+    stops = leveled(Stops(*_matched(rays, fronts, size)), rays)
     return leveled(_near(rays, fronts, stops, rest, spring, slides), rays)
 
 
 def _matched(rays: Rays, fronts: Fronts, size: SizeField) -> tuple[Integers, NDArray[np.int8]]:
     """The first layer of each ray whose step would match the spacing or the size."""
-    apart, steps = fronts.apart, fronts.steps
-    wall = _wall_spacing(rays, apart)
-    fan = rays.kind == FAN_RAY
-    first, asked = np.empty((2, len(wall)), dtype=np.int64)
-    _first_steps(steps, apart, wall, fan, first, asked)
+    places, steps, apart = tables = fronts.places, fronts.steps, fronts.apart
+    n = len(rays.base)
+    (wall, last), (first, asked, level) = np.empty((2, n)), np.empty((3, n), dtype=np.int64)
+    _wall_spacing(rays.base, rays.kind, apart, wall, np.zeros(int(rays.base.max(initial=-1)) + 1))
+    at, spaces = np.empty((n, 2)), (wall, rays.kind)
+    many, room = _first_steps(tables, spaces, (first, asked), at)
     # Of the layers from `asked` on the last one before `first` is looked at first. Where the growth of the
     # size is known, this tells of most others that the size stops no ray there.
-    rows = np.flatnonzero(asked < first)
-    if len(rows):
-        last = np.full(len(wall), np.inf)
-        at = fronts.places[rows, first[rows] - 1]
-        last[rows] = size(at)
+    ray, layer = np.empty((2, room), dtype=np.int64)
+    wanted, places = np.empty(room), np.empty((room, 2))
+    if many:
         change = np.inf if size.growth is None else size.growth
-        ray, layer = np.empty((2, int((first - asked)[rows].sum())), dtype=np.int64)
-        wanted = np.empty(len(ray))
-        many = _to_ask(
-            (fronts.places, steps, apart), wall, fan, (first, asked), last, change, (ray, layer), wanted
+        known = size(at[:many])
+        many, unknown = _to_ask(
+            tables, spaces, (first, asked), (known, last), change, (ray, layer, wanted), places
         )
-        ray, layer, wanted = ray[:many], layer[:many], wanted[:many]
-        open_ = np.flatnonzero(wanted < 0.0)
-        if len(open_):
-            wanted[open_] = size(fronts.places[ray[open_], layer[open_]])
-        stop = (steps[ray, layer] >= MATCHED * wanted) | (
-            (apart[ray, layer + 1] > STRETCHED * np.maximum(wanted, wall[ray])) & ~fan[ray]
-        )
-        np.minimum.at(first, ray[stop], layer[stop])
-    level = np.minimum(first, fronts.most)
-    reason = np.where(first <= fronts.most, BY_MATCH, np.where(rays.kind == SLIDING_RAY, BY_END, BY_COUNT))
-    reason[first == steps.shape[1]] = BY_MATCH if fronts.endless else BY_COUNT
-    return level, reason.astype(np.int8)
+        _stop_short(tables, spaces, (ray, layer, wanted), many, size(places[:unknown]), first)
+    reason = np.empty(n, dtype=np.int8)
+    _reasons(rays.kind, fronts.most, first, steps.shape[1], fronts.endless, level, reason)
+    return level, reason
 
 
 @kernel
-def _first_steps(steps, apart, wall, fan, first, asked):
-    """The first layer of each ray that matches the spacing, and the first one for which the size matters."""
+def _wall_spacing(base, kind, apart, found, most):
+    """Write the mean length of the sides at each ray's base; rays of a fan share that of their vertex."""
+    for r in range(len(base)):
+        found[r] = apart[r, 0] if math.isfinite(apart[r, 0]) else 0.0
+        if kind[r] == FAN_RAY:  # only one neighbor of an outer ray is elsewhere
+            most[base[r]] = max(most[base[r]], 2 * found[r])
+    for r in range(len(base)):
+        if kind[r] == FAN_RAY:
+            found[r] = most[base[r]]
+
+
+@kernel
+def _first_steps(tables, spaces, range_, at):
+    """The first layer of each ray that matches the spacing, and the first one for which the size matters.
+
+    Writes the last places of such ranges to ``at``. Returns how many there are, and how many layers in all.
+    """
+    places, steps, apart = tables
+    wall, kind = spaces
+    first, asked = range_
+    many, layers = 0, 0
     for r in range(steps.shape[0]):
+        fan = kind[r] == FAN_RAY
         first[r] = asked[r] = steps.shape[1]
         for k in range(steps.shape[1]):
-            here = max(apart[r, k], wall[r]) if fan[r] else apart[r, k]
-            if steps[r, k] >= MATCHED * here or (apart[r, k + 1] < SHRUNK * wall[r] and not fan[r]):
+            here = max(apart[r, k], wall[r]) if fan else apart[r, k]
+            if steps[r, k] >= MATCHED * here or (apart[r, k + 1] < SHRUNK * wall[r] and not fan):
                 first[r] = k
                 break
             if asked[r] > k and (steps[r, k] >= ASK_SIZE_FROM * here or here > STRETCHED * wall[r]):
                 asked[r] = k
+        if asked[r] < first[r]:
+            at[many, 0], at[many, 1] = places[r, first[r] - 1, 0], places[r, first[r] - 1, 1]
+            many, layers = many + 1, layers + first[r] - asked[r]
+    return many, layers
 
 
 @kernel
-def _to_ask(tables, wall, fan, range_, last, change, rows, wanted):
+def _to_ask(tables, spaces, range_, sizes, change, rows, asked_at):
     """Write the rays and layers at which the size could stop a ray; how many there are.
 
-    ``wanted`` gets the size where it is known, else -1. ``last`` is the size at the last layer of each range,
-    ``change`` the growth of the size.
+    ``sizes`` are those at the last layers of ranges, and room for one a ray; ``change`` is the growth of the
+    size. The third of the rows gets the size where it is known, else -1, and ``asked_at`` the places where it
+    is not; their number is returned, too.
     """
     places, steps, apart = tables
+    wall, kind = spaces
     first, asked = range_
-    ray, layer = rows
-    many = 0
+    known, last = sizes
+    ray, layer, wanted = rows
+    some, many, unknown = 0, 0, 0
     for r in range(len(wall)):
+        last[r] = np.inf
+        if asked[r] < first[r]:
+            last[r] = known[some]
+            some += 1
+        fan = kind[r] == FAN_RAY
         for k in range(asked[r], first[r]):
-            here = max(apart[r, k], wall[r]) if fan[r] else apart[r, k]
+            here = max(apart[r, k], wall[r]) if fan else apart[r, k]
             if not (steps[r, k] >= ASK_SIZE_FROM * here or here > STRETCHED * wall[r]):
                 continue
             end = first[r] - 1
             x, y = places[r, k, 0] - places[r, end, 0], places[r, k, 1] - places[r, end, 1]
             least = last[r] if k == end else last[r] - change * math.hypot(x, y)
-            ahead = apart[r, k + 1] > STRETCHED * max(least, wall[r]) and not fan[r]
+            ahead = apart[r, k + 1] > STRETCHED * max(least, wall[r]) and not fan
             if steps[r, k] >= MATCHED * least or ahead:
                 ray[many], layer[many], wanted[many] = r, k, last[r] if k == end else -1.0
                 many += 1
-    return many
+                if k != end:
+                    asked_at[unknown, 0], asked_at[unknown, 1] = places[r, k, 0], places[r, k, 1]
+                    unknown += 1
+    return many, unknown
 
 
-def _wall_spacing(rays: Rays, apart: Array) -> Array:
-    """The mean length of the sides at each ray's base; rays of a fan share that of their vertex."""
-    found = np.where(np.isfinite(apart[:, 0]), apart[:, 0], 0.0)
-    fan = np.flatnonzero(rays.kind == FAN_RAY)
-    if len(fan):
-        values, group = np.unique(rays.base[fan], return_inverse=True)
-        most = np.zeros(len(values))
-        np.maximum.at(most, group, 2 * found[fan])  # only one neighbor of an outer ray is elsewhere
-        found[fan] = most[group]
-    return found
+@kernel
+def _stop_short(tables, spaces, rows, many, sizes, first):
+    """Lower ``first`` to the first layer at which the size stops a ray."""
+    _, steps, apart = tables
+    wall, kind = spaces
+    ray, layer, wanted = rows
+    unknown = 0
+    for i in range(many):
+        r, k, size = ray[i], layer[i], wanted[i]
+        if size < 0.0:
+            size = sizes[unknown]
+            unknown += 1
+        wide = apart[r, k + 1] > STRETCHED * max(size, wall[r]) and kind[r] != FAN_RAY
+        if steps[r, k] >= MATCHED * size or wide:
+            first[r] = min(first[r], k)
+
+
+@kernel
+def _reasons(kind, most, first, layers, endless, level, reason):
+    """Write how many layers rays may have, and why no more. Tapered rays have none."""
+    for r in range(len(level)):
+        level[r] = min(first[r], most[r])
+        if first[r] == layers:
+            reason[r] = BY_MATCH if endless else BY_COUNT
+        elif first[r] <= most[r]:
+            reason[r] = BY_MATCH
+        else:
+            reason[r] = BY_END if kind[r] == SLIDING_RAY else BY_COUNT
+        if kind[r] == TAPER_RAY:
+            level[r], reason[r] = 0, BY_END
 
 
 # ---------------------------------------------------------------------- opposing fronts
@@ -238,22 +281,33 @@ def _candidates(
     rays: Rays, fronts: Fronts, stops: Stops, rest: tuple[Array, Integers], slides: Integers
 ) -> tuple[Integers, Integers]:
     """Pairs of a ray and a ray of another front, or a point of the rest, that may come near."""
-    n = len(rays.base)
-    top = stops.level
-    row = np.arange(n)
-    tip, base = fronts.places[row, top], fronts.places[:, 0]
-    low, high = np.minimum(base, tip), np.maximum(base, tip)
-    step = fronts.steps[row, np.minimum(top, fronts.steps.shape[1] - 1)]
-    wide = np.maximum(
-        *(np.where(np.isfinite(d), d, 0.0) for d in (fronts.apart[row, top], fronts.apart[:, 0]))
+    n, many = len(rays.base), len(rest[0])
+    low, high, query_low, query_high = np.empty((4, n + many, 2))
+    low[n:] = high[n:] = rest[0]
+    base = np.empty((n, 2))
+    _reach(
+        (fronts.places, fronts.steps, fronts.apart), stops.level, base, (low, high), (query_low, query_high)
     )
-    reach = (2.5 * step + 2.0 * wide)[:, None]
-    tree = BoxTree(np.concatenate([low, rest[0]]), np.concatenate([high, rest[0]]))
-    p, q = tree.pairs(low - reach, high + reach)
+    p, q = BoxTree(low, high).pairs(query_low[:n], query_high[:n])
     kept = np.empty(len(p), dtype=bool)
-    front = (*chains_of(rays), rays.direction, np.ascontiguousarray(base), top)
+    front = (*chains_of(rays), rays.direction, base, stops.level)
     _may_meet(p, q, front, slides, rest[1], np.flatnonzero(slides >= 0), kept)
     return p[kept], q[kept]
+
+
+@kernel
+def _reach(tables, level, base, boxes, queries):
+    """Write where rays start, the boxes of their places, and wider ones that what is near a ray meets."""
+    places, steps, apart = tables
+    for r in range(len(level)):
+        top = level[r]
+        wide = max(apart[r, top], 0.0) if math.isfinite(apart[r, top]) else 0.0
+        wide = max(wide, apart[r, 0]) if math.isfinite(apart[r, 0]) else wide
+        reach = 2.5 * steps[r, min(top, steps.shape[1] - 1)] + 2.0 * wide
+        for k in range(2):
+            a, b = places[r, 0, k], places[r, top, k]
+            base[r, k], boxes[0][r, k], boxes[1][r, k] = a, min(a, b), max(a, b)
+            queries[0][r, k], queries[1][r, k] = min(a, b) - reach, max(a, b) + reach
 
 
 @inline

@@ -159,19 +159,40 @@ def _mark(cells, used):
 
 @kernel
 def _identify(origin, vertex, many, known):
-    """Give the points of the rest numbers: those of what they are, and new ones from ``many`` on."""
+    """Give the points of the rest numbers: those of what they are, and new ones from ``many`` on.
+
+    Returns how many points there are in all.
+    """
     for i in range(len(origin)):
         known[i] = many if origin[i] < 0 else vertex[origin[i]]
         many += origin[i] < 0
+    return many
 
 
 @kernel
 def _count_off(used, place):
-    """Number the points that are used; the others get -1."""
+    """Number the points that are used; the others get -1. Returns how many are used."""
     many = 0
     for i in range(len(used)):
         place[i] = many if used[i] else -1
         many += used[i]
+    return many
+
+
+@kernel
+def _collect(own, other, known, place, vertices, points, origin):
+    """Write the points that are used: our own ones, then those of the rest, whose numbers are ``known``.
+
+    The first ``vertices`` of our own are those of the domain.
+    """
+    for i in range(len(own)):
+        if place[i] >= 0:
+            points[place[i], 0], points[place[i], 1] = own[i, 0], own[i, 1]
+            origin[place[i]] = i if i < vertices else -1
+    for i in range(len(known)):
+        at = place[known[i]]
+        if known[i] >= len(own) and at >= 0:
+            points[at, 0], points[at, 1], origin[at] = other[i, 0], other[i, 1], -1
 
 
 @kernel
@@ -211,8 +232,7 @@ def union_of(
     segments, piece, span = _layered(scene, level, numbers)
     origin = np.asarray(fill.origin)
     known = np.empty(len(origin), dtype=np.int32)
-    _identify(origin, rest.vertex, many, known)
-    new = fill.points.take(np.flatnonzero(origin < 0), axis=0)
+    total = _identify(origin, rest.vertex, many, known)
     fill_region = _regions(scene, c, rest, fill)
     rows = np.flatnonzero(rest.piece[fill.piece] >= 0)
     run = fill.piece[rows]
@@ -232,22 +252,19 @@ def union_of(
     quad, triangle = (cells.quad_strip, cells.quad_layer), (cells.triangle_strip, cells.triangle_layer)
     _label(quad, triangle, q, f, side, layer, region)
     region[2 * q + t : 2 * q + t + f] = fill_region
-    points = np.concatenate([numbers.points, new])
     both: dict[str, NDArray[np.int32]] = {"triangle": corners, "quad": quads.astype(np.int32)}
-    used = np.zeros(len(points), dtype=bool)
-    for block in both.values():
-        _mark(block, used)
-    place, every = np.empty(len(points), dtype=np.int64), np.flatnonzero(used)
-    _count_off(used, place)
-    origin_of = np.full(len(points), -1, dtype=np.int32)
-    vertices = len(scene.domain.points)
-    origin_of[:vertices] = np.arange(vertices)
-    for block in both.values():
-        _renumber(block, place)
     kept = {name: block for name, block in both.items() if len(block)}
+    used, place = np.zeros(total, dtype=bool), np.empty(total, dtype=np.int64)
+    for block in kept.values():
+        _mark(block, used)
+    n = _count_off(used, place)
+    points, origin_of = np.empty((n, 2)), np.empty(n, dtype=np.int32)
+    _collect(numbers.points, fill.points, known, place, len(scene.domain.points), points, origin_of)
+    for block in kept.values():
+        _renumber(block, place)
     order = np.lexsort((span[:, 0], piece))
     return Union(
-        points.take(every, axis=0), origin_of[every], kept, region, layer,
+        points, origin_of, kept, region, layer,
         place[segments.take(order, axis=0)], piece[order],
         span[order], place[:many], 2 * q + t + np.arange(f),
     )  # fmt: skip

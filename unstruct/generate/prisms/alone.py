@@ -64,7 +64,7 @@ def _chosen(grown: Grown, kept: NDArray[np.bool_]) -> tuple[Grown, Rows]:
         grown.level[used],
         place[grown.base[kept]],
         grown.piece[kept],
-        place[grown.cap[kept]],
+        np.where(grown.cap[kept] < 0, -1, place[grown.cap[kept]]),
     )
     return some, place
 

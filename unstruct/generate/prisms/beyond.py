@@ -24,7 +24,7 @@ from ..bodies.tetrahedralize import LARGE_TRIANGLE, tetrahedra_by_size
 from ..volume.filling import numbered_parts_of
 from ..volume.lacking import what_is_missing
 from ..volume.rounder import faces_of_cells
-from .remainder import Grown, Remainder, remainder, side_pieces
+from .remainder import Grown, Remainder, padded_to_four, remainder, side_pieces
 
 __all__ = ["LARGEST_JUMP", "LEAST_BEYOND", "MEDIAN_JUMP", "filled_beyond", "sides_of_layers", "whole_faces"]
 
@@ -181,7 +181,7 @@ def _joined(
     every_piece = np.concatenate([piece[0], rest_piece[stays]])
     segments = number[np.asarray(mesh.segments)].reshape(-1, 2)
     segment_piece = rest.piece[np.asarray(mesh.piece)]
-    wide = np.column_stack([rest_faces, np.full(len(rest_faces), -1)])
+    wide = padded_to_four(rest_faces)
     markers = names_of_faces(
         domain,
         (np.concatenate([whole, wide]), np.concatenate([piece[1], rest_piece[stays]])),
@@ -189,7 +189,7 @@ def _joined(
     )
     part = np.concatenate([np.asarray(mesh.markers["region"])[above][grown.column], mesh.markers["region"]])
     bare_mesh = Mesh(points, None, cells=cells)
-    cap = grown.cap[_with_cells(grown)]
+    cap = grown.cap[~bare]
     listed = sorted(reasons)
     return DomainMesh(
         points,
@@ -233,12 +233,7 @@ def _numbers(
 
 def _bare_columns(grown: Grown) -> NDArray[np.bool_]:
     """The columns without layers, (t,)."""
-    return (grown.base == grown.cap).all(axis=1)
-
-
-def _with_cells(grown: Grown) -> NDArray[np.bool_]:
-    """Which triangles of the cap have cells below."""
-    return np.bincount(grown.column, minlength=len(grown.cap)) > 0
+    return np.asarray((grown.base == grown.cap[:, :3]).all(axis=1), dtype=bool)
 
 
 def sides_of_layers(
@@ -269,17 +264,17 @@ def sides_of_layers(
     solid = ~_bare_columns(grown) & (a != b) & (b != c) & (c != a)  # what stands on creases has no base
     base, piece = grown.base[solid], grown.piece[solid]
     if domain is None:
-        return base, np.column_stack([base, np.full(len(base), -1)]), (piece, piece)
+        return base, padded_to_four(base), (piece, piece)
     with_fans = bool(((a == b) | (b == c) | (c == a)).any())
     rows = _every_side(grown, base) if with_fans else _outer_sides(grown)
     if len(rows) == 0:
-        return base, np.column_stack([base, np.full(len(base), -1)]), (piece, piece)
+        return base, padded_to_four(base), (piece, piece)
     found = side_pieces(domain, grown, rows, walls, exposed=exposed)
     rows, found = rows[found >= 0], found[found >= 0]
     quads = rows[:, 3] >= 0
     halves, owner = simplices_of_cells({"quad": rows[quads]})
     faces = np.concatenate([base, rows[~quads, :3], halves])
-    whole = np.concatenate([np.column_stack([base, np.full(len(base), -1)]), rows])
+    whole = np.concatenate([padded_to_four(base), rows])
     of_faces = np.concatenate([piece, found[~quads], found[quads][owner]])
     return faces, whole, (of_faces, np.concatenate([piece, found]))
 
@@ -287,16 +282,15 @@ def sides_of_layers(
 def _every_side(grown: Grown, base: Rows) -> Rows:
     """The faces of the boundary that are neither base nor cap, padded by -1 to four vertices."""
     rows = _boundary(grown.cells)
-    ends = np.concatenate([base, grown.cap])
-    wide = np.column_stack([ends, np.full(len(ends), -1)])
-    number, _ = group_rows(np.sort(np.concatenate([rows, wide]), axis=1))
+    ends = [padded_to_four(part) for part in (base, grown.cap)]
+    number, _ = group_rows(np.sort(np.concatenate([rows, *ends]), axis=1))
     return rows[~np.isin(number[: len(rows)], number[len(rows) :])]
 
 
 def _boundary(cells: dict[str, Any]) -> Rows:
     rows, _, group = incident_facets(cells)
     rows = rows[np.bincount(group)[group] == 1].astype(np.int64)
-    return np.column_stack([rows, np.full((len(rows), 4 - rows.shape[1]), -1)]) if rows.shape[1] < 4 else rows
+    return padded_to_four(rows)
 
 
 def _outer_sides(grown: Grown) -> Rows:
@@ -354,6 +348,8 @@ def _figures(grown: Grown, mesh: DomainMesh, whole: Mesh, above: Rows) -> dict[s
     last = np.full(len(grown.cap), -1, dtype=np.int64)
     order = np.argsort(grown.layer, kind="stable")
     last[grown.column[order]] = order
+    several = np.flatnonzero((last < 0) & ~_bare_columns(grown))  # one cell is below these and the one before
+    last[several] = last[np.maximum.accumulate(np.where(last >= 0, np.arange(len(last)), 0))[several]]
     chosen = np.flatnonzero((last >= 0) & (above >= 0))
     figures = {}
     if len(chosen):

@@ -20,13 +20,12 @@ from ...geometry.inside_shell import even_odd_in_space, triangle_components
 from ...predicates.batch import orient_rows
 from .records import Others
 
-__all__ = ["Border", "Skin", "clashes", "inside_out", "skin_of", "surrounded"]
+__all__ = ["Border", "Over", "Skin", "clashes", "inside_out", "skin_of", "surrounded"]
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 SURE_VOLUME = 2.0**-44  # of the sum of absolute products: above the rounding of each term and of their sum
 NEAR_RAY = 1e-9  # of the distance: how far points on an edge may be from the rounded ray along it
-NO_OWNER = np.empty(0, dtype=np.int64)
 FEW_FRESH = 0.25  # up to this share of new triangles only what is near them is tested
 
 
@@ -36,6 +35,19 @@ class Border(NamedTuple):
     ends: Numbers
     plane: NDArray[np.int32]
     column: Numbers
+
+
+class Over(NamedTuple):
+    """The last columns, which have no base: the columns to which they are counted, and the solids below them.
+
+    Those of the same solid may meet.
+    """
+
+    owner: Numbers
+    solid: Numbers
+
+
+NOTHING_OVER = Over(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))
 
 
 class Skin(NamedTuple):
@@ -59,6 +71,8 @@ class Skin(NamedTuple):
         Whether a triangle is new since the last test: no others can meet that did not before.
     base : (r,) int64
         The point in which each ray starts.
+    solid : (k,) int64
+        The solid of `Over` below each; -1 for none.
     """
 
     points: Array
@@ -70,6 +84,7 @@ class Skin(NamedTuple):
     column: Numbers
     fresh: NDArray[np.bool_]
     base: Numbers
+    solid: Numbers
 
 
 def skin_of(
@@ -81,7 +96,7 @@ def skin_of(
     planes: NDArray[np.int32],
     border: Border,
     changed: NDArray[np.bool_],
-    owner: Numbers = NO_OWNER,
+    over: Over = NOTHING_OVER,
 ) -> Skin:
     """The boundary of layers, and of the rest of the surface.
 
@@ -101,10 +116,10 @@ def skin_of(
     border : Border
     changed : (r,) bool
         Which rays have other heights than at the last test.
-    owner : (o,) int64
-        The last o columns have no base; they are counted to these other ones.
+    over : Over
+        The last columns.
     """
-    based = len(columns) - len(owner)
+    based = len(columns) - len(over.owner)
     n = len(others.points)
     number = np.where(moves, n + np.arange(len(base)), base)
     (a, b), plane = border.ends.T, border.plane
@@ -127,6 +142,8 @@ def skin_of(
     new = [changed[columns[on]].any(axis=1), beside[low], beside[high]]
     fresh = np.zeros(len(triangles), dtype=bool)
     fresh[based : len(before) + len(sides)] = np.concatenate(new)
+    solid = np.full(len(triangles), -1, dtype=np.int64)
+    solid[based : len(before)] = np.concatenate([np.full(based, -1), over.solid])[on]
     return Skin(
         np.concatenate([others.points, top]),
         triangles,
@@ -137,7 +154,7 @@ def skin_of(
         np.concatenate(
             [
                 np.arange(based),
-                np.concatenate([np.arange(based), owner])[on],
+                np.concatenate([np.arange(based), over.owner])[on],
                 border.column[low],
                 border.column[high],
                 np.full(len(others.triangles), -1),
@@ -145,6 +162,7 @@ def skin_of(
         ),
         fresh,
         base,
+        solid,
     )
 
 
@@ -158,6 +176,8 @@ def clashes(skin: Skin) -> Numbers:
     """The rays that are to be lowered because layers meet something: sorted, each once; exact."""
     rows = _near(skin)
     pairs = rows[meeting_pairs(skin.points, skin.triangles[rows])]
+    one, two = skin.solid[pairs.T]
+    pairs = pairs[(one < 0) | (one != two)]
     pairs = pairs[~_allowed(skin, pairs)]
     rays = skin.rays[pairs.ravel()]
     return np.unique(rays[rays >= 0])
@@ -286,30 +306,34 @@ def inside_out(skin: Skin, columns: NDArray[np.int32], border: Border, moves: ND
     If base and cap are embedded and do not meet, and all columns are positive, this is what is left to be
     asked: a cap that is turned inside out encloses a negative volume.
     """
-    component, _, count = triangle_components(skin.triangles[: len(columns)])
+    many = len(columns)
+    component, _, count = triangle_components(skin.triangles[:many])
     closed = np.ones(count, dtype=bool)
     closed[component[border.column]] = False
     if not closed.any():
         return np.empty(0, dtype=np.int64)
-    base = skin.triangles[: len(columns)]
-    first = len(skin.points) - len(moves)
-    top = np.where(moves[columns], first + columns, base)
-    start = skin.points[base[np.unique(component, return_index=True)[1], 0]][component]
+    base = skin.triangles[:many]
+    still = ~moves[columns].any(axis=1)  # the base is the cap there
+    cap = (np.arange(len(skin.column)) >= many) & (skin.column >= 0) & ~skin.is_side
+    top = np.concatenate([base[still], skin.triangles[cap]])
+    of_top = np.concatenate([component[still], component[skin.column[cap]]])
+    start = skin.points[base[np.unique(component, return_index=True)[1], 0]]
     (below, near), (above, off) = (
-        _volumes(skin.points[rows] - start[:, None], component) for rows in (base, top)
+        _volumes(skin.points[rows] - start[part][:, None], part, count)
+        for rows, part in ((base, component), (top, of_top))
     )
     same = (below > near) & (above > off) | (below < -near) & (above < -off)
     rays = np.unique(columns[(closed & ~same)[component]]).astype(np.int64)
     return rays[moves[rays]]
 
 
-def _volumes(p: Array, component: Numbers) -> tuple[Array, Array]:
+def _volumes(p: Array, component: Numbers, count: int) -> tuple[Array, Array]:
     """Six times the volume that each component encloses, and a bound of its error."""
     a, b, c = p[:, 0], p[:, 1], p[:, 2]
     one = np.stack([a[:, i] * b[:, i - 2] * c[:, i - 1] for i in range(3)], axis=1)
     two = np.stack([a[:, i] * b[:, i - 1] * c[:, i - 2] for i in range(3)], axis=1)
-    sums: Array = np.bincount(component, (one - two).sum(axis=1)).astype(np.float64)
-    size: Array = np.bincount(component, (np.abs(one) + np.abs(two)).sum(axis=1)).astype(np.float64)
+    sums: Array = np.bincount(component, (one - two).sum(axis=1), count).astype(np.float64)
+    size: Array = np.bincount(component, (np.abs(one) + np.abs(two)).sum(axis=1), count).astype(np.float64)
     return sums, SURE_VOLUME * len(p) * size
 
 

@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...base.elementary import sines, turns
 from ...geometry.jacobians import hexahedron_signs, pyramid_signs, wedge_signs
-from ...mesh.cells import CELL_TYPES
 from ...mesh.mesh import Mesh
-from ...predicates.batch import orient_rows
+from ...predicates.batch import orient_rows, power_of_two
 from .creases import Fans
-from .split import negative_parts
+from .remainder import padded_to_four
+from .split import negative_parts, tetrahedra
+from .stars import unit_normals
 
 __all__ = [
+    "NO_APEXES",
+    "NO_PYRAMIDS",
     "SOLID_KINDS",
     "FanCells",
-    "centers_of",
+    "apex_heights",
+    "apexes_of",
+    "cap_of",
     "fan_cells",
     "fan_faults",
     "fan_quality",
+    "on_cap",
     "spread_directions",
     "whole_fans",
 ]
@@ -31,6 +37,9 @@ Numbers = NDArray[np.int64]
 Rows = NDArray[np.int32]
 
 SOLID_KINDS = ("hexahedron", "wedge", "pyramid", "tetra")  # their order in a mesh
+ON_CAP = {"whole": 1, "halves": 2, "pyramids": 4, "both": 4}  # faces of the cap, for each quadrilateral
+NO_PYRAMIDS, NO_APEXES = np.empty(0, dtype=np.int64), np.empty((0, 3))
+APEX_SHARE = 0.5  # height of pyramids; unit: the edge of the crease below
 OPPOSITE_RAYS = 0.1  # two unit vectors whose sum is so short have no middle
 
 
@@ -43,50 +52,51 @@ class FanCells(NamedTuple):
     part : (c,) int64
         The row of `Fans.quads`, or after these of `Fans.corners`.
     cap : (c,) int64
-        The row of `Fans.caps` above each.
+        The row of `cap_of` above each: the first, where there are several.
     layer : (c,) int64
-    centers : (q, 8) int32
-        The vertices of which the mean is the center of the top cell of each of ``quads``; wedges lying on
-        their side, six, have the first two twice. Rows of no cells where nothing is divided.
     """
 
     kinds: dict[str, Rows]
     part: Numbers
     cap: Numbers
     layer: Numbers
-    centers: Rows
 
 
-class _Blocks:
-    """Cells that are collected by kind."""
-
-    def __init__(self) -> None:
-        self.rows: dict[str, list[NDArray]] = {kind: [] for kind in SOLID_KINDS}
-
-    def add(self, kind: str, cells: NDArray, part: NDArray, cap: NDArray, layer: int) -> None:
-        self.rows[kind].append(np.column_stack([cells, part, cap, np.full(len(cells), layer)]))
-
-    def done(self, centers: Rows) -> FanCells:
-        kinds, rest = {}, [np.empty((0, 3), dtype=np.int64)]
-        for kind, blocks in self.rows.items():
-            rows = np.concatenate(blocks).astype(np.int64) if blocks else np.empty((0, 3), dtype=np.int64)
-            if len(rows):
-                kinds[kind] = rows[:, :-3].astype(np.int32)
-                rest.append(rows[:, -3:])
-        part, cap, layer = np.concatenate(rest).T
-        return FanCells(kinds, part, cap, layer, centers)
+def on_cap(fans: Fans, how: str, values: NDArray[Any]) -> NDArray[Any]:
+    """Values of quads and corners for the faces of the cap above them."""
+    many = len(fans.quads)
+    return np.concatenate([np.repeat(values[:many], ON_CAP[how]), values[many:]])
 
 
-def _standing(fans: Fans, number: Rows, k: int) -> tuple[str, Rows]:
-    """The cells over quads in layer k."""
-    low, high = number[k], number[k + 1]
-    a, b, c, d = fans.quads.T
-    if k == 0:  # a wedge lying on its side: two triangles that begin at the ends of the edge
-        return "wedge", np.column_stack([low[a], high[a], high[b], low[d], high[d], high[c]])
-    return "hexahedron", np.column_stack([low[fans.quads], high[fans.quads]])
+def cap_of(fans: Fans, how: str, top: NDArray[np.integer], apex: NDArray[np.integer]) -> Numbers:
+    """The faces on top of fans: (f, 3), or with whole quadrilaterals (f, 4), triangles padded by -1.
+
+    Parameters
+    ----------
+    fans : Fans
+    how : "whole", "halves", "pyramids" or "both"
+        Quadrilaterals as they are, cut from their lowest ray, with pyramids on top of them, or the halves of
+        both diagonals.
+    top : (r,) int
+        The vertex on top of each ray.
+    apex : (q,) int
+        That of each pyramid.
+    """
+    a, b, c, d = top[fans.quads].T
+    corners = top[fans.corners].astype(np.int64)
+    if how == "whole":
+        return np.concatenate([np.column_stack([a, b, c, d]), padded_to_four(corners)]).astype(np.int64)
+    if how == "halves":
+        return top[fans.caps].astype(np.int64)
+    if how == "both":
+        parts = (a, b, c), (a, c, d), (a, b, d), (b, c, d)
+    else:
+        parts = (a, b, apex), (b, c, apex), (c, d, apex), (d, a, apex)
+    faces = np.stack([np.column_stack(part) for part in parts], axis=1)
+    return np.concatenate([faces.reshape(-1, 3), corners]).astype(np.int64)
 
 
-def fan_cells(fans: Fans, number: Rows, centers: int | None = None) -> FanCells:
+def fan_cells(fans: Fans, number: Rows, how: str, apex: NDArray[np.integer] = NO_PYRAMIDS) -> FanCells:
     """The cells over quads and corners.
 
     Parameters
@@ -94,57 +104,56 @@ def fan_cells(fans: Fans, number: Rows, centers: int | None = None) -> FanCells:
     fans : Fans
     number : (levels + 1, r) int32
         The vertex of each ray on each level, all different but for level 0.
-    centers : int, optional
-        The number of the first center, of which each of ``quads`` gets one: the top cell is divided then, so
-        that the cap has triangles only. By default nothing is divided.
+    how : "whole", "halves" or "pyramids"
+        The form of the cap; with pyramids one stands on each of the topmost hexahedra.
+    apex : (q,) int
+        The vertices of the pyramids.
     """
-    blocks, top = _Blocks(), len(number) - 2
-    many = len(fans.quads)
-    quad, corner = np.arange(many), np.arange(len(fans.corners))
-    middle = np.empty((0, 8), dtype=np.int32)
-    for k in range(top + 1):
-        kind, cells = _standing(fans, number, k)
-        if k < top or centers is None:
-            blocks.add(kind, cells, quad, 2 * quad, k)
+    rows: dict[str, list[NDArray]] = {kind: [] for kind in SOLID_KINDS}
+    many, levels, per = len(fans.quads), len(number) - 1, ON_CAP[how]
+    a, b, c, d = fans.quads.T
+
+    def add(kind: str, cells: NDArray, corner: bool, layer: int) -> None:
+        part = np.arange(len(cells)) + many * corner
+        cap = np.where(part < many, per * part, part + (per - 1) * many)
+        rows[kind].append(np.column_stack([cells, part, cap, np.full(len(cells), layer)]))
+
+    for k in range(levels):
+        low, high = number[k], number[k + 1]
+        lower, upper = low[fans.corners], high[fans.corners]
+        if k == 0:  # a wedge lying on its side: two triangles that begin at the ends of the edge
+            add("wedge", np.column_stack([low[a], high[a], high[b], low[d], high[d], high[c]]), False, k)
+            add("tetra", np.column_stack([lower[:, :1], upper]), True, k)
         else:
-            middle = np.column_stack([cells, cells[:, : 8 - cells.shape[1]]]).astype(np.int32)
-            _divided(blocks, fans, number[-1], kind, cells, centers + quad, k)
-        low, high = number[k][fans.corners], number[k + 1][fans.corners]
-        part, cap = many + corner, 2 * many + corner
-        if k == 0:
-            blocks.add("tetra", np.column_stack([low[:, :1], high]), part, cap, k)
-        else:
-            blocks.add("wedge", np.column_stack([low, high]), part, cap, k)
-    return blocks.done(middle)
+            add("hexahedron", np.column_stack([low[fans.quads], high[fans.quads]]), False, k)
+            add("wedge", np.column_stack([lower, upper]), True, k)
+    if how == "pyramids":
+        add("pyramid", np.column_stack([number[-1][fans.quads], apex]), False, levels)
+    kinds, rest = {}, [np.empty((0, 3), dtype=np.int64)]
+    for kind, blocks in rows.items():
+        found = np.concatenate(blocks).astype(np.int64) if blocks else np.empty((0, 3), dtype=np.int64)
+        if len(found):
+            kinds[kind] = found[:, :-3].astype(np.int32)
+            rest.append(found[:, -3:])
+    part, cap, layer = np.concatenate(rest).T
+    return FanCells(kinds, part, cap, layer)
 
 
-def _divided(
-    blocks: _Blocks, fans: Fans, top: NDArray, kind: str, cells: NDArray, center: NDArray, layer: int
-) -> None:
-    """Divide cells from a point inside: the face on top along the diagonal of the cap."""
-    many = len(fans.quads)
-    quad = np.arange(many)
-    on_top = {4, 5, 6, 7} if kind == "hexahedron" else {1, 2, 4, 5}
-    for facet in CELL_TYPES[kind][3]:
-        rows = cells[:, facet]  # outward
-        if set(facet) == on_top:
-            continue
-        if len(facet) == 4:
-            blocks.add("pyramid", np.column_stack([rows[:, ::-1], center]), quad, 2 * quad, layer)
-        else:
-            blocks.add("tetra", np.column_stack([center, rows]), quad, 2 * quad, layer)
-    caps = top[fans.caps[: 2 * many]]
-    for half in range(2):
-        rows = np.column_stack([center, caps[half::2]])
-        blocks.add("tetra", rows, quad, 2 * quad + half, layer)
+def apexes_of(fans: Fans, tops: Array, height: Array) -> Array:
+    """Where pyramids of some heights on the top quadrilaterals end: (q, 3)."""
+    x = tops[fans.quads]
+    middle = x[:, 0] / 4 + x[:, 1] / 4 + x[:, 2] / 4 + x[:, 3] / 4
+    near = tops * power_of_two(tops)  # so that no product underflows
+    one, two = (unit_normals(near, fans.quads[:, corners])[0] for corners in ([0, 1, 2], [0, 2, 3]))
+    return middle + height[:, None] * _unit(one + two)
 
 
-def centers_of(points: Array, rows: Rows) -> Array:
-    """The means of eight points: (q, 3)."""
-    total = np.zeros((len(rows), 3))
-    for k in range(8):
-        total += points[rows[:, k]] / 8
-    return total
+def apex_heights(fans: Fans, points: Array) -> Array:
+    """How high pyramids are to be: a part of the lengths of the edges of creases."""
+    along = points[fans.base[fans.quads[:, 3]]] - points[fans.base[fans.quads[:, 0]]]
+    factor = power_of_two(along)
+    x, y, z = (along * factor).T
+    return np.asarray(APEX_SHARE * np.sqrt(x * x + y * y + z * z) / factor)
 
 
 def _chosen(fans: Fans, parts: Numbers) -> Fans:
@@ -153,20 +162,22 @@ def _chosen(fans: Fans, parts: Numbers) -> Fans:
     return fans._replace(quads=fans.quads[quads], corners=fans.corners[corners])
 
 
-def whole_fans(fans: Fans, places: Array, parts: Numbers, divided: bool) -> tuple[Array, FanCells, Numbers]:
+def whole_fans(
+    fans: Fans, places: Array, parts: Numbers, how: str, apexes: Array
+) -> tuple[Array, FanCells, Numbers]:
     """The cells of some quads and corners over places, with their points, and the chosen parts in order."""
     parts = np.sort(parts)
-    some = _chosen(fans, parts)
     levels, rays = places.shape[:2]
     number = (np.arange(levels)[:, None] * rays + np.arange(rays)).astype(np.int32)
     number[0] = fans.base
-    points = places.reshape(-1, 3)
-    cells = fan_cells(some, number, len(points) if divided else None)
-    points = np.concatenate([points, centers_of(points, cells.centers)]) if divided else points
-    return points, cells, parts
+    points = np.concatenate([places.reshape(-1, 3), apexes])
+    apex = levels * rays + parts[parts < len(fans.quads)]
+    return points, fan_cells(_chosen(fans, parts), number, how, apex), parts
 
 
-def fan_faults(fans: Fans, places: Array, parts: Numbers, simplices: bool) -> Numbers:
+def fan_faults(
+    fans: Fans, places: Array, parts: Numbers, how: str, apexes: Array, simplices: bool = False
+) -> Numbers:
     """The quads and corners, of some, with a cell that is not positive, exactly: sorted, each once.
 
     Parameters
@@ -175,12 +186,15 @@ def fan_faults(fans: Fans, places: Array, parts: Numbers, simplices: bool) -> Nu
     places : (levels + 1, r, 3) float64
     parts : (p,) int64
         Rows of quads, and after these of corners.
+    how : "whole", "halves" or "pyramids"
+    apexes : (q, 3) float64
+        Of pyramids.
     simplices : bool
         Whether all tetrahedra into which cells are divided have to be positive, too.
     """
     if not len(parts):
         return parts
-    points, cells, order = whole_fans(fans, places, parts, True)
+    points, cells, order = whole_fans(fans, places, parts, how, apexes)
     bad = np.concatenate([_signs(points, kind, rows) != 1 for kind, rows in cells.kinds.items()])
     if simplices:
         bad[negative_parts(points, cells.kinds)] = True
@@ -196,18 +210,17 @@ def _signs(points: Array, kind: str, rows: Rows) -> NDArray[np.int8]:
     return wedge_signs(x) if kind == "wedge" else pyramid_signs(x)
 
 
-def fan_quality(fans: Fans, places: Array) -> Array:
-    """The least scaled Jacobian of wedges and hexahedra of quads and corners, before tops are divided."""
+def fan_quality(fans: Fans, places: Array, how: str, apexes: Array) -> Array:
+    """The least scaled Jacobian of the cells of quads and corners; of tetrahedra where the cap has halves."""
     result = np.full(len(fans.quads) + len(fans.corners), np.inf)
     if not len(result):
         return result
-    points, cells, _ = whole_fans(fans, places, np.arange(len(result)), False)
-    start = 0
-    for kind, rows in cells.kinds.items():
-        if kind != "tetra":
-            found = Mesh(points, None, cells={kind: rows}).quality("scaled_jacobian")
-            np.minimum.at(result, cells.part[start : start + len(rows)], found)
-        start += len(rows)
+    points, cells, _ = whole_fans(fans, places, np.arange(len(result)), how, apexes)
+    kinds, part = cells.kinds, cells.part
+    if how == "halves":
+        rows, owner = tetrahedra(kinds)
+        kinds, part = {"tetra": rows}, part[owner]
+    np.minimum.at(result, part, Mesh(points, None, cells=kinds).quality("scaled_jacobian"))
     return result
 
 

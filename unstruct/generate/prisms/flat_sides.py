@@ -13,7 +13,27 @@ from ...geometry.polygons import Polygons
 from ...mesh.domain_mesh import DomainMesh
 from ..layers.walls import wall_pieces
 
-__all__ = ["as_pieces_of", "with_flat_sides"]
+__all__ = ["JoinedBody", "as_pieces_of", "number_of", "with_flat_sides"]
+
+
+class JoinedBody(Domain):
+    """A body with joined facets; messages tell the names and numbers of the body as it was given."""
+
+    given: Domain | None = None
+    parts: FlatParts | None = None
+
+    def name(self, piece: int) -> str:
+        """The name of the first piece of the given body that is a part of a piece."""
+        if self.given is None or self.parts is None:  # while it is made
+            return super().name(piece)
+        return self.given.name(int(self.parts.piece[piece]))
+
+
+def number_of(domain: Domain, vertex: int) -> int:
+    """The number of a point of a body in messages: that in the body as it was given."""
+    if isinstance(domain, JoinedBody) and domain.parts is not None:
+        return int(domain.parts.vertex[vertex])
+    return int(vertex)
 
 
 def with_flat_sides(surface: Any, walls: Any) -> tuple[Any, Any, FlatParts | None]:
@@ -46,7 +66,9 @@ def with_flat_sides(surface: Any, walls: Any) -> tuple[Any, Any, FlatParts | Non
     parts = flat_parts(surface, flagged(many, owner[beside]), ~wall)
     if parts is None:
         return surface, walls, None
-    return Domain(**parts.arguments), np.unique(parts.group[chosen]), parts
+    joined = JoinedBody(**parts.arguments)
+    joined.given, joined.parts = surface, parts
+    return joined, np.unique(parts.group[chosen]), parts
 
 
 def as_pieces_of(mesh: DomainMesh, parts: FlatParts) -> None:

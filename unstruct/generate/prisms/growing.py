@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from .cells import cells_of
 from .creases import Fans
-from .fans import SOLID_KINDS, centers_of, fan_cells
+from .fans import NO_PYRAMIDS, SOLID_KINDS, cap_of, fan_cells, on_cap
 from .records import Walls
-from .remainder import Grown
+from .remainder import Grown, padded_to_four
 from .split import tetrahedra
 
 __all__ = ["grown_layers", "in_tetrahedra", "numbers_of_levels"]
@@ -60,6 +60,8 @@ def grown_layers(
     places: NDArray[np.float64],
     columns: NDArray[np.integer],
     fans: Fans | None = None,
+    how: str = "whole",
+    apexes: NDArray[np.float64] | None = None,
 ) -> Grown:
     """Layers of wedges, pyramids and tetrahedra.
 
@@ -72,8 +74,12 @@ def grown_layers(
     columns : (t, 3) int
         Rows of rays over the triangles of the walls, in their order.
     fans : Fans, optional
-        What stands beside these columns over creases. On top of them columns follow whose ``base`` is no
+        What stands beside these columns over creases. For these, columns follow whose ``base`` is no
         triangle.
+    how : "whole", "halves" or "pyramids"
+        The form of the cap there; see `cap_of`.
+    apexes : (q, 3) float64, optional
+        Of the pyramids.
     """
     number, ray, step = numbers_of_levels(base, level, len(places) - 1, len(walls.points))
     points = np.concatenate([walls.points, places[step, ray][len(walls.points) :]])
@@ -90,13 +96,17 @@ def grown_layers(
         walls.piece.astype(np.int64),
         number[-1][columns].astype(np.int64),
     )
-    return grown if fans is None or not len(fans.quads) else _with_fans(grown, fans, number)
+    if fans is None or not len(fans.quads):
+        return grown
+    return _with_fans(grown, fans, number, how, apexes if how == "pyramids" else None)
 
 
-def _with_fans(grown: Grown, fans: Fans, number: NDArray[np.int32]) -> Grown:
-    """Layers with the cells of fans, whose top cells are divided from points inside, which come last."""
-    found, many = fan_cells(fans, number, len(grown.points)), len(grown.cap)
-    caps, owner = fans.caps, fans.cap_owner
+def _with_fans(
+    grown: Grown, fans: Fans, number: NDArray[np.int32], how: str, apexes: NDArray[np.float64] | None
+) -> Grown:
+    """Layers with the cells of fans, and the apexes of pyramids, which come last among the points."""
+    apex = NO_PYRAMIDS if apexes is None else len(grown.points) + np.arange(len(apexes))
+    found, many = fan_cells(fans, number, how, apex), len(grown.cap)
     both = (grown.cells, grown.column, grown.layer), (found.kinds, many + found.cap, found.layer)
     parts: dict[str, list[tuple[NDArray, NDArray, NDArray]]] = {kind: [] for kind in SOLID_KINDS}
     for cells, column, layer in both:
@@ -111,18 +121,20 @@ def _with_fans(grown: Grown, fans: Fans, number: NDArray[np.int32]) -> Grown:
         if blocks
     }
     column, layer = (np.concatenate([block[k] for block in joined.values()]) for k in (1, 2))
-    middle = centers_of(grown.points, found.centers)
-    first = found.centers[:, 0]
+    cap = cap_of(fans, how, number[-1], apex)
+    own = padded_to_four(grown.cap) if cap.shape[1] == 4 else grown.cap
+    first = fans.base[fans.quads[: len(apex), 0]]
+    below = cap_of(fans, how, fans.base, first)[:, :3]
     return Grown(
-        np.concatenate([grown.points, middle]),
+        grown.points if apexes is None else np.concatenate([grown.points, apexes]),
         {kind: block[0].astype(np.int32) for kind, block in joined.items()},
         column,
         layer,
         np.concatenate([grown.stem, grown.stem[first]]),
-        np.concatenate([grown.level, np.full(len(middle), len(number) - 1)]),
-        np.concatenate([grown.base, fans.base[caps]]),
-        np.concatenate([grown.piece, grown.piece[owner]]),
-        np.concatenate([grown.cap, number[-1][caps].astype(np.int64)]),
+        np.concatenate([grown.level, np.full(len(apex), len(number))]),
+        np.concatenate([grown.base, below]),
+        np.concatenate([grown.piece, grown.piece[on_cap(fans, how, fans.owner)]]),
+        np.concatenate([own, cap]),
     )
 
 

@@ -10,6 +10,7 @@ from ...domain.domain import Domain
 from ...domain.space.cutting import at
 from ...geometry.inside_shell import side_mates
 from ...mesh.topology import components
+from .flat_sides import number_of
 from .stars import unit_normals
 
 __all__ = ["planes_beside", "planes_of_loops"]
@@ -143,14 +144,32 @@ def planes_beside(
         if any(q >= 0 and _parallel(normals[p], normals[q]) for q in planes[v].tolist()):
             continue
         if not len(free):
-            w = int(vertex[v])
+            where = f"the walls end at point {number_of(domain, int(vertex[v]))}, {at(points[vertex[v]])}"
+            flat = _in_plane_of_walls(points, vertex, triangles, v, [normals[q] for q in (*planes[v], p)])
+            if flat >= 0:
+                q = (*planes[v].tolist(), p)[flat]
+                own = piece[(plane == q) & (rows == vertex[v]).any(axis=1)]
+                raise InputError(
+                    f"{where}, within a flat side: {domain.name(int(own[0]))} lies beside them in its plane; "
+                    "name it in walls, too, or end the walls at edges of the body"
+                )
             raise InputError(
-                f"the walls end at point {w}, {at(points[w])}, in {MOST_PLANES + 1} planes: no ray can stay "
-                "in all of them; make facets there walls, or plane"
+                f"{where}, in {MOST_PLANES + 1} planes: no ray can stay in all of them; make facets there "
+                "walls, or plane"
             )
         planes[v, free[0]] = p
     plane[~np.isin(piece, _pieces_along(ends, rows, piece))] = -1
     return planes, np.array(normals).reshape(-1, 3), plane
+
+
+def _in_plane_of_walls(
+    points: Array, vertex: NDArray, triangles: Numbers, v: int, normals: list[Array]
+) -> int:
+    """Which of some normals is that of a wall at vertex v, -1 for none."""
+    around = vertex[triangles[(triangles == v).any(axis=1)]]
+    walls, _ = unit_normals(points, around.astype(np.int32))
+    found = [k for k, n in enumerate(normals) if any(_parallel(n, wall) for wall in walls)]
+    return found[0] if found else -1
 
 
 def _pieces_along(ends: NDArray, rows: Numbers, piece: Numbers) -> NDArray:
@@ -169,8 +188,8 @@ def _plane_of(domain: Domain, rows: Numbers, piece: int) -> tuple[Array, Array]:
     off, worst = _off_plane(domain.points, np.unique(outline), normal)
     if off > SAME_PLANE or not normal.any():
         raise InputError(
-            f"{domain.name(piece)} stands beside walls, but is not plane: point {worst} is off by {off:.2g} "
-            f"of its extent, {at(domain.points[worst])}; make it a wall, or plane"
+            f"{domain.name(piece)} stands beside walls, but is not plane: point {number_of(domain, worst)} "
+            f"is off by {off:.2g} of its extent, {at(domain.points[worst])}; make it a wall, or plane"
         )
     return normal, domain.points[outline[:, 0]].mean(axis=0)
 

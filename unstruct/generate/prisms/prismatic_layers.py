@@ -23,7 +23,7 @@ from .cells import in_one_fan
 from .closing import closed_in_planes
 from .columns import scaled_columns
 from .directions import NORMALS
-from .fans import fan_quality
+from .fans import NO_APEXES, fan_quality
 from .flat_sides import as_pieces_of, with_flat_sides
 from .growing import grown_layers, in_tetrahedra
 from .records import HIDDEN_RAY, RAY_REASONS
@@ -91,7 +91,8 @@ def prismatic_layers(
         Whether directions are computed anew on each layer.
     several : bool
         Whether vertices of sharp convex creases get several rays, where these raise the least scaled
-        Jacobian there. See the notes. Only with ``recompute=False`` and ``stop="squeeze"``.
+        Jacobian of all cells there, as they are in the mesh. That of the whole mesh is never lower than with
+        one ray. See the notes. Only with ``recompute=False`` and ``stop="squeeze"``.
     stop : "squeeze" or "stop"
         Where there is no room: all layers become thinner, or there are fewer of them, with numbers that
         differ by at most 1 along each edge; pyramids and tetrahedra are then on top of wedges, and the cap
@@ -113,21 +114,23 @@ def prismatic_layers(
     DomainMesh
         Cells "wedge", "pyramid" and "tetra", all positive: exactly, on the whole of each. ``markers`` has the
         names of the surface on the faces of the base, and of the sides in planes (rows of four, triangles
-        padded by -1, where there are quadrilaterals), and "cap", the faces on top of the layers. With a size
+        padded by -1, where there are quadrilaterals), and "cap", the faces on top of the layers (with
+        ``several`` and no size, too, rows of four where there are quadrilaterals). With a size
         the cells of the layers come first among those of each kind, "tetra" is the last kind, and ``faces``
         has quadrilaterals as two triangles. ``steps`` has one row for each ray: "vertex" (a
         row of ``points``, -1 if no cell is left there), "place" (r, 3), "direction" (r, 3), "level" (how many
         layers), "height" (their total), "wanted", and "reason", why it is not more: "full" (it is as wanted),
         "column" (a cell would not be positive), "crossing" (the layers would meet others, or the surface),
         "gradation" or "step" (a neighbor is lower), "hidden" (no direction sees all triangles there).
-        "cell_layer" has for each cell of the layers its layer from 1 on, "cap" (t, 3) the faces on top.
+        "cell_layer" has for each cell of the layers its layer from 1 on (that of pyramids on hexahedra is one
+        more than there are layers), "cap" (t, 3) or (t, 4) the faces on top.
         ``counts``: "rays", "wedges", "pyramids", "tetrahedra" (of the layers), "hidden", "limited: ..." for
         each reason, "collapsed" (columns without cells; without a size also those beside rays of no height,
         which are left out), "rounds" of lowering; with ``several`` "hexahedra", "creases with fans" and
         "creases with one ray" (sharp convex ones). ``figures``: "share of full heights", "least scaled
-        Jacobian" (of wedges and hexahedra); with a size "jump of volume at the cap, median" (the volume of
-        the tetrahedron beyond over that of the cell below) and "..., largest" (up or down), "least dihedral
-        angle beyond".
+        Jacobian" (of wedges and hexahedra, before any are cut); with a size "jump of volume at the cap,
+        median" (the volume of the tetrahedron beyond over that of the cell below) and "..., largest" (up or
+        down), "least dihedral angle beyond".
 
     Raises
     ------
@@ -154,12 +157,15 @@ def prismatic_layers(
     count there: see ``figures``, ``counts`` and ``steps``.
 
     *Several* rays, one in 45 degrees, start at vertices of convex creases, where a wall turns by more than
-    50 degrees. Wedges lying on their side are over the edges, hexahedra above; the topmost ones are divided
-    from a point inside, as the cap has triangles only. Where three or more creases meet, tetrahedra are at
-    the corner and wedges above. A crease is a chain of edges between such corners; it gets fans only if the
-    least scaled Jacobian of the wedges and hexahedra at its vertices is then higher, before the topmost are
-    divided, if the layers are at least half as high, and if it is closed, or ends at corners or in planes.
-    Where it ends within a wall there is only one ray, and cells between several rays and one would be thinner
+    50 degrees. Wedges lying on their side are over the edges, hexahedra above. With a size, pyramids stand on
+    these, half as high as edges of the crease are long, or lower where there is no room. Where three or more
+    creases meet, tetrahedra are at the corner and wedges above. A crease is a chain of edges between such
+    corners; it gets fans only if the least scaled Jacobian of the cells at its vertices is then higher, and
+    of no others lower than anywhere before, if the layers are at least half as high, and if it is closed, or
+    ends at corners or in planes. With a size the whole mesh is made with fans and without, and the better
+    one returned: tetrahedra on the cap over a crease are as narrow as the layers are high. In tetrahedra,
+    several rays are rarely better: only if the first layer is about as high as edges are long. Where a
+    crease ends within a wall there is only one ray, and cells between several rays and one would be thinner
     than those they replace.
 
     O(t k + t log t) for t triangles and k layers, in practice. Book: 5.
@@ -207,9 +213,14 @@ def prismatic_layers(
         run = (StopRun if stop == "stop" else PrismRun)(base, layers, options)
         run.advance()
     _tell_hidden(run)
-    mesh, lacking = (layers_alone(run), "") if size is None else _layers_and_beyond(run, size, fill)
+    mesh, lacking = _made(run, size, fill)
     if fanned is not None:
-        mesh.counts.update({"creases with fans": fanned.fanned, "creases with one ray": fanned.single})
+        many = [fanned.fanned, fanned.single]
+        if fanned.fanned:
+            other, other_lacking = _made(fanned.without, size, fill)
+            if (not other_lacking, _least(other)) > (not lacking, _least(mesh)):
+                mesh, lacking, many = other, other_lacking, [0, sum(many)]
+        mesh.counts.update({"creases with fans": many[0], "creases with one ray": many[1]})
     if parts is not None:
         as_pieces_of(mesh, parts)
     if closed is not None:
@@ -300,6 +311,14 @@ def layers_alone(run: PrismRun) -> DomainMesh:
     )
 
 
+def _made(run: PrismRun, size: Any, fill: Mapping[str, Any]) -> tuple[DomainMesh, str]:
+    return (layers_alone(run), "") if size is None else _layers_and_beyond(run, size, fill)
+
+
+def _least(mesh: DomainMesh) -> float:
+    return float(mesh.quality("scaled_jacobian").min())
+
+
 def _layers_and_beyond(run: PrismRun, size: Any, fill: Mapping[str, Any]) -> tuple[DomainMesh, str]:
     """The mesh of the whole body, and what is missing."""
     domain = run.base.domain
@@ -315,7 +334,8 @@ def _layers_and_beyond(run: PrismRun, size: Any, fill: Mapping[str, Any]) -> tup
 
 def _grown(run: PrismRun) -> Grown:
     rays = run.rays
-    grown = grown_layers(run.base.walls, rays.base, rays.level, run.places, run.columns, run.fans)
+    rows = run.columns, run.fans, run.how, run.apexes
+    grown = grown_layers(run.base.walls, rays.base, rays.level, run.places, *rows)
     return in_tetrahedra(grown) if run.options.cells == "tetrahedron" else grown
 
 
@@ -338,7 +358,7 @@ def _with_account(
     mesh.counts.update(_counts(run, grown.cells, collapsed))
     full = float((rays.height >= rays.wanted).sum()) / max(len(rays.height), 1)
     least = scaled_columns(run.places, run.columns, rays.level).min(initial=np.inf)
-    least = min(least, fan_quality(run.fans, run.places).min(initial=np.inf))
+    least = min(least, fan_quality(run.fans, run.places, "whole", NO_APEXES).min(initial=np.inf))
     mesh.figures.update({"share of full heights": full, "least scaled Jacobian": float(least)})
     return mesh
 

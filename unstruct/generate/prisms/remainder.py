@@ -15,8 +15,9 @@ from ...base.arrays import flagged
 from ...base.errors import DomainError, InputError
 from ...domain.domain import Domain
 from ...geometry.polygons import Polygons
+from .flat_sides import number_of
 
-__all__ = ["Grown", "Remainder", "border_edges", "remainder", "side_pieces"]
+__all__ = ["Grown", "Remainder", "border_edges", "padded_to_four", "remainder", "side_pieces"]
 
 Rows = NDArray[np.int64]
 CAP_NAME = "a triangle of the cap"
@@ -32,7 +33,7 @@ class Grown(NamedTuple):
     cells : dict of str to array
         By kind; "tetra" is the last one.
     column : (c,) int64
-        For each cell, through all kinds, the triangle of the cap that it is below.
+        For each cell, through all kinds, the face of the cap that it is below; the first of several.
     layer : (c,) int64
         The layer of each.
     stem : (n,) int64
@@ -43,8 +44,9 @@ class Grown(NamedTuple):
         The triangles of walls.
     piece : (t,) int64
         The piece of the body that each is a part of.
-    cap : (t, 3) int64
-        The triangles above them: the same vertices where there are no layers.
+    cap : (t, 3) or (t, 4) int64
+        The faces above them: the same vertices where there are no layers. With quadrilaterals triangles are
+        padded by -1; there are none with anything beyond.
     """
 
     points: NDArray[np.float64]
@@ -84,6 +86,11 @@ class Remainder(NamedTuple):
         return CAP_NAME if self.piece[piece] < 0 else body.name(int(self.piece[piece]))
 
 
+def padded_to_four(rows: Rows) -> Rows:
+    """Rows of three vertices with -1 as the fourth; others as they are."""
+    return np.column_stack([rows, np.full((len(rows), 4 - rows.shape[1]), -1)])
+
+
 def border_edges(triangles: Rows) -> Rows:
     """The edges that only one of some triangles has, in its direction: (e, 2)."""
     ends = np.concatenate([triangles[:, [i, (i + 1) % 3]] for i in range(3)])
@@ -113,8 +120,8 @@ def remainder(domain: Domain, grown: Grown) -> Remainder:
     if len(meets):
         at = int(inner.vertices[meets[0]])
         raise InputError(
-            f"an inner piece ends at vertex {at} of a wall, at {domain.points[at].tolist()}: layers "
-            "would cut it; leave the facets there out of walls"
+            f"an inner piece ends at vertex {number_of(domain, at)} of a wall, at "
+            f"{domain.points[at].tolist()}: layers would cut it; leave the facets there out of walls"
         )
     number = np.where(grown.level == 0, grown.stem, many + np.arange(len(grown.points)))
     kept = np.flatnonzero(~wall)
@@ -225,8 +232,9 @@ def side_pieces(
         lost[fan] = ends[by_end[spot]] != low[fan]
     if lost.any() and not exposed:
         row = int(np.argmax(lost))
+        edge = f"{number_of(domain, low[row])}-{number_of(domain, high[row])}"
         raise InputError(
-            f"layers end at the edge {low[row]}-{high[row]} near {domain.points[low[row]].tolist()}, where "
-            "there is no facet beside the wall"
+            f"layers end at the edge {edge} near {domain.points[low[row]].tolist()}, where there is no facet "
+            "beside the wall"
         )
     return np.where(lost, -1, owner[found]) if len(key) else np.full(len(low), -1, dtype=np.int64)

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...sizing.stretching import Layers
-from .clear import Border, clashes, inside_out, skin_of, surrounded
+from .clear import Border, Over, Skin, clashes, inside_out, skin_of, surrounded
 from .columns import bad, blind
 from .creases import Fans, no_fans
 from .directions import directed
-from .fans import fan_faults, spread_directions
+from .fans import NO_APEXES, apex_heights, apexes_of, cap_of, fan_faults, on_cap, spread_directions
 from .heights import LOWER_BY, edges_of_columns, graded, limited, placed
 from .marching import marched
 from .records import COLUMN, CROSSING_RAY, HIDDEN_RAY, Rays, Walls
@@ -33,6 +33,7 @@ SLOPE = 1.0  # how much heights of neighbors differ at most; unit: the length of
 LOWERINGS = ((12, LOWER_BY), (18, 0.3), (36, 0.05))
 FASTER_ROUNDS = 80  # after so many rounds what is wrong loses its layers at once
 WIDER_ROUNDS = 100  # ... and then its neighbors, too, in rings that grow from round to round
+LOWER_APEXES = 8  # so many times pyramids on top of layers are lowered before the layers are
 
 
 class PrismOptions(NamedTuple):
@@ -109,6 +110,20 @@ class PrismRun:
         """How many layers there are."""
         return self.shares.shape[-1] - 1
 
+    @property
+    def how(self) -> str:
+        """What the cap is like over creases: quadrilaterals, with pyramids on them, or cut into halves."""
+        if self.options.cells == "tetrahedron":
+            return "halves"
+        return "pyramids" if self.options.room > 0.0 else "whole"
+
+    @property
+    def apexes(self) -> Array:
+        """Where the pyramids on the cap end: (q, 3), or none."""
+        if self.how != "pyramids" or not len(self.fans.quads):
+            return NO_APEXES
+        return apexes_of(self.fans, self.places[-1], self.apex_height)
+
     def begin(self) -> None:
         """Give rays directions, and heights at which columns have room."""
         direction, seen = self._directed_rays()
@@ -117,7 +132,10 @@ class PrismRun:
         self.height, self.reason = limited(self.points, self.direction, self.columns, start)
         self.reason[~seen] = HIDDEN_RAY
         self.lowered = np.zeros(len(start), dtype=np.int64)
-        self.tested = [np.full(self.points.shape, np.nan) for _ in range(2)]
+        quads = len(self.fans.quads) if self.how == "pyramids" else 0
+        self.apex_height = apex_heights(self.fans, self.base.walls.points) if quads else np.empty(0)
+        self.apex_lowered = np.zeros(quads, dtype=np.int64)
+        self.tested = [np.full((len(self.points) + quads, 3), np.nan) for _ in range(2)]
         self.tested_fans = np.full(len(start), np.nan)
 
     def _directed(self, walls: Walls) -> tuple[Array, NDArray[np.bool_]]:
@@ -196,7 +214,8 @@ class PrismRun:
             return np.empty(0, dtype=np.int64)
         fresh, moves = self.height != self.tested_fans, self.height > 0.0
         asked = [fresh[rows].any(axis=1) & moves[rows].all(axis=1) for rows in (quads, corners)]
-        rows = fan_faults(self.fans, self.places, np.flatnonzero(np.concatenate(asked)), self._in_simplices)
+        some = np.flatnonzero(np.concatenate(asked))
+        rows = fan_faults(self.fans, self.places, some, self.how, self.apexes, self._in_simplices)
         rays = [quads[rows[rows < len(quads)]], corners[rows[rows >= len(quads)] - len(quads)]]
         found = np.unique(np.concatenate([part.ravel() for part in rays])).astype(np.int64)
         if not len(found):
@@ -215,33 +234,60 @@ class PrismRun:
         """Those of some columns, by their place, with a cell, or a part of one, that is not positive."""
         found = bad(self.places, self.columns[rows], level)
         if self._in_simplices:
-            turned = np.flatnonzero(twisted(self.places, self.columns[rows], level))
+            base = self.fans.base if len(self.fans.quads) else None
+            turned = np.flatnonzero(twisted(self.places, self.columns[rows], level, base))
             found = np.union1d(found, turned)
         return found
 
     def wrong_tops(self) -> Numbers:
         """The rays whose cap meets something, or whose layers surround another part of the walls.
 
-        Where room is to be left, a cap that is so much higher is tested after that.
+        Where room is to be left, a cap that is so much higher is tested after that. Pyramids on the cap that
+        meet something are lowered first.
         """
-        low, high = self.places[0], self.places[-1]
-        rays = self._met(high, 0)
-        if not len(rays) and self.options.room > 0.0:
-            rays = self._met(low + (1.0 + self.options.room) * (high - low), 1)
-        return rays
+        many = len(self.points)
+        while True:
+            rays = self._met(self.places[-1], 0)
+            if not len(rays) and self.options.room > 0.0:
+                low, high = self.places[0], self.places[-1]
+                rays = self._met(low + (1.0 + self.options.room) * (high - low), 1)
+            apexes = rays[rays >= many] - many
+            apexes = apexes[self.apex_lowered[apexes] < LOWER_APEXES]
+            if not len(apexes):
+                return rays[rays < many]
+            self.apex_lowered[apexes] += 1
+            self.apex_height[apexes] *= LOWER_BY
 
     def _met(self, tops: Array, which: int) -> Numbers:
-        """The rays whose tops, or layers below them, meet something; what has been tested before is known."""
-        moves = self.height > 0.0
+        """The rays whose tops, or layers below them, meet something; what has been tested before is known.
+
+        The apexes of pyramids are counted as rays after the others.
+        """
+        fans, many = self.fans, len(tops)
+        start, rises = np.empty(0, dtype=np.int64), self.height > 0.0
+        if self.how == "pyramids":
+            start = fans.quads[:, 0].astype(np.int64)
+            rises = np.concatenate([rises, rises[fans.quads].all(axis=1)])
+            tops = np.concatenate([tops, apexes_of(fans, tops, self.apex_height)])
         changed = (tops != self.tested[which]).any(axis=1)
         self.tested[which] = tops
-        border, others = self.border, self.base.others
-        over = np.concatenate([self.columns, self.fans.caps]), self.fans.cap_owner
-        skin = skin_of(others, over[0], self.base_row, tops, moves, self.planes, border, changed, over[1])
-        rays = clashes(skin)
+        ray = np.concatenate([np.arange(many), start])
+        planes = self.planes[ray]
+        planes[many:] = -1  # apexes
+        others, border = self.base.others, self.border
+
+        def skin_with(how: str) -> Skin:
+            above = cap_of(fans, how, np.arange(many), many + np.arange(len(start)))
+            rows = np.concatenate([self.columns, above]).astype(np.int32)
+            over = Over(*(on_cap(fans, how, values) for values in (fans.owner, np.arange(len(fans.owner)))))
+            return skin_of(others, rows, self.base_row[ray], tops, rises, planes, border, changed, over)
+
+        bent = self.how == "whole"  # a bent quadrilateral lies between the halves of both its diagonals
+        skin = skin_with("halves" if bent else self.how)
+        rays = clashes(skin_with("both") if bent and len(fans.quads) else skin)
         if not len(rays):
-            rays = surrounded(skin, self.columns, moves)
-        return rays if len(rays) else inside_out(skin, self.columns, border, moves)
+            rays = surrounded(skin, self.columns, rises)
+        return rays if len(rays) else inside_out(skin, self.columns, border, rises)
 
     def _border(self) -> Border:
         """The edges at which the walls end."""

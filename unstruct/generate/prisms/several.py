@@ -1,4 +1,8 @@
-"""Runs with fans of rays along those creases where they raise the least scaled Jacobian."""
+"""Runs with fans of rays along those creases where they raise the least scaled Jacobian.
+
+It is that of the cells as the mesh has them: wedges, hexahedra, tetrahedra at corners, and pyramids on top
+where tetrahedra follow; or tetrahedra, if all cells are divided.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import flagged
+from ...geometry import simplex
 from ...geometry.polygons import Polygons
 from ...predicates.batch import power_of_two
 from ...sizing.stretching import Layers
@@ -15,6 +20,7 @@ from .columns import scaled_columns
 from .creases import Creases, chains_of, creases_of, fans_of, usable
 from .fans import fan_quality
 from .run import PrismOptions, PrismRun
+from .split import tetrahedra
 from .walls import Base
 
 __all__ = ["FannedRun", "run_with_fans"]
@@ -29,11 +35,12 @@ SPREAD_WELL = 0.05  # the least determinant of unit vectors along the edge and t
 
 
 class FannedRun(NamedTuple):
-    """A run, and how many creases have fans, and have one ray although they are sharp."""
+    """A run, how many creases have fans, and have one ray although they are sharp; the run without fans."""
 
     run: PrismRun
     fanned: int
     single: int
+    without: PrismRun
 
 
 def run_with_fans(base: Base, layers: Layers, options: PrismOptions) -> FannedRun:
@@ -59,9 +66,9 @@ def run_with_fans(base: Base, layers: Layers, options: PrismOptions) -> FannedRu
             run.advance()
             worse = kept & _worse(run, single, creases, kept, crease)
         if not worse.any():
-            return FannedRun(run, len(np.unique(crease[kept])), len(np.unique(whole[~kept])))
+            return FannedRun(run, len(np.unique(crease[kept])), len(np.unique(whole[~kept])), single)
         kept &= ~np.isin(crease, crease[worse])
-    return FannedRun(single, 0, len(np.unique(whole)))
+    return FannedRun(single, 0, len(np.unique(whole)), single)
 
 
 def _ending(base: Base) -> Flags | None:
@@ -108,14 +115,29 @@ def _determinants(u: Array, v: Array, w: Array) -> Array:
     return _product(np.column_stack([y * c - z * b, z * a - x * c, x * b - y * a]), w)
 
 
+def at_columns(run: PrismRun) -> Array:
+    """The least scaled Jacobian of the wedges of each column, or of the tetrahedra that they are cut into."""
+    if run.how != "halves":
+        return scaled_columns(run.places, run.columns, run.rays.level)
+    least = np.full(len(run.columns), np.inf)
+    whole = np.flatnonzero(run.rays.level[run.columns].min(axis=1) > 0)
+    rays, columns = run.places.shape[1], run.columns[whole]
+    for k in range(run.levels if len(whole) else 0):
+        points = run.places[k : k + 2].reshape(-1, 3)
+        low = columns if k else run.fans.base[columns]  # the first ray of a vertex has its number
+        rows, owner = tetrahedra({"wedge": np.column_stack([low, columns + rays])})
+        np.minimum.at(least, whole[owner], simplex.quality("scaled_jacobian", points[rows]))
+    return least
+
+
 def at_vertices(run: PrismRun) -> Array:
     """The least scaled Jacobian of the cells at each vertex of the walls."""
     fans = run.fans
     result = np.full(len(run.base.walls.points), np.inf)
-    columns = scaled_columns(run.places, run.columns, run.rays.level)
+    columns = at_columns(run)
     for k in range(3):
         np.minimum.at(result, fans.base[run.columns[:, k]], columns)
-    found = fan_quality(fans, run.places)
+    found = fan_quality(fans, run.places, run.how, run.apexes)
     for rows, values in ((fans.quads, found[: len(fans.quads)]), (fans.corners, found[len(fans.quads) :])):
         for k in range(rows.shape[1]):
             np.minimum.at(result, fans.base[rows[:, k]], values)
@@ -132,9 +154,19 @@ def _worse(run: PrismRun, single: PrismRun, creases: Creases, kept: Flags, creas
     height = np.full(len(low), np.inf)
     np.minimum.at(height, run.fans.base, run.rays.height)
     low |= height < LEAST_FAN_HEIGHT * single.rays.height
+    low |= _nearest(run, found[0] < found[1].min(), creases.ends[kept])
     least, before = (_by_crease(values, creases, kept, crease) for values in found)
     near = [_by_crease(_around(run, values), creases, kept, crease) for values in found]
     return _edges_at(creases, low) | ((least <= before) | (near[0] < SAME_QUALITY * near[1]))[crease]
+
+
+def _nearest(run: PrismRun, bad: Flags, ends: NDArray) -> Flags:
+    """Vertices and their neighbors, in as many rings as there must be to meet some edges."""
+    triangles, many = run.base.walls.triangles, 0
+    while many < bad.sum() and not bad[ends].any():
+        many, beside = int(bad.sum()), bad[triangles].any(axis=1)
+        bad = flagged(len(bad), triangles[beside])
+    return bad
 
 
 def _by_crease(values: Array, creases: Creases, kept: Flags, crease: NDArray) -> Array:

@@ -70,7 +70,10 @@ def negative_parts(
 
 
 def twisted(
-    places: NDArray[np.float64], columns: NDArray[np.int32], stops: NDArray[np.integer] | None = None
+    places: NDArray[np.float64],
+    columns: NDArray[np.int32],
+    stops: NDArray[np.integer] | None = None,
+    base: NDArray[np.integer] | None = None,
 ) -> NDArray[np.bool_]:
     """Whether a wedge of a column has a tetrahedron that is not positive, although the wedge is.
 
@@ -82,6 +85,9 @@ def twisted(
         Rows of rays, counterclockwise seen from above.
     stops : (r,) int, optional
         How many layers each ray has; all by default. Pyramids and tetrahedra above need not be asked.
+    base : (r,) int, optional
+        The number of the vertex of the wall at which each ray begins, where these are in another order than
+        the rays: there are several at a vertex.
 
     Returns
     -------
@@ -93,19 +99,21 @@ def twisted(
     Only the tetrahedron in the middle is looked at, i j k' j' for rays i < j < k.
     """
     levels, rays = len(places) - 1, places.shape[1]
-    order = np.argsort(columns, axis=1)
-    low, middle, high = np.take_along_axis(columns, order, axis=1).astype(np.int64).T
-    even = (order[:, 1] - order[:, 0]) % 3 == 1
     every = np.ascontiguousarray(places.reshape(-1, 3))
     wrong = np.zeros(len(columns), dtype=bool)
     lowest = np.full(len(columns), levels) if stops is None else stops[columns].min(axis=1)
     step = max(LEVELS_AT_ONCE // max(len(columns), 1), 1)
-    for first in range(0, levels, step):
-        level = np.arange(first, min(first + step, levels))[:, None] * rays
-        i, j, up_j, up_k = level + low, level + middle, level + rays + middle, level + rays + high
-        rows = np.stack([i, np.where(even, j, up_k), np.where(even, up_k, j), up_j], axis=-1).astype(np.int32)
-        three = np.broadcast_to(level < lowest * rays, rows.shape[:2])
-        chosen = np.flatnonzero(three.ravel())
-        signs = orient_rows(every, rows.reshape(-1, 4)[chosen])
-        wrong[chosen[signs <= 0] % len(columns)] = True
+    ranges = [(0, levels, columns)] if base is None else [(0, 1, base[columns]), (1, levels, columns)]
+    for begin, end, number in ranges:
+        order = np.argsort(number, axis=1)
+        low, middle, high = np.take_along_axis(columns, order, axis=1).astype(np.int64).T
+        even = (order[:, 1] - order[:, 0]) % 3 == 1
+        for first in range(begin, end, step):
+            level = np.arange(first, min(first + step, end))[:, None] * rays
+            i, j, up_j, up_k = level + low, level + middle, level + rays + middle, level + rays + high
+            rows = np.stack([i, np.where(even, j, up_k), np.where(even, up_k, j), up_j], axis=-1)
+            three = np.broadcast_to(level < lowest * rays, rows.shape[:2])
+            chosen = np.flatnonzero(three.ravel())
+            signs = orient_rows(every, rows.astype(np.int32).reshape(-1, 4)[chosen])
+            wrong[chosen[signs <= 0] % len(columns)] = True
     return wrong

@@ -22,6 +22,7 @@ from ...geometry.inside_shell import front_inside, side_mates, triangle_componen
 from ...mesh.mesh import Mesh
 from ...predicates.batch import orient_rows
 from ..layers.walls import wall_pieces
+from .flat_sides import number_of
 from .planes import planes_beside, planes_of_loops
 from .records import Others, Walls
 from .stars import stars_of
@@ -100,7 +101,8 @@ def base_of(surface: Any, which: Any, side: str) -> Base:
     if not on.any():
         raise InputError("walls name no facet: there is nothing that layers could stand on")
     inner = shell.triangles[~bounding] if side == "inside" else shell.triangles[:0]
-    return _divided(domain, rows, piece, on, inner, origin, opened is not None)
+    inner_piece = shell.piece[~bounding][: len(inner)]
+    return _divided(domain, rows, piece, on, inner, inner_piece, origin, opened is not None)
 
 
 def _divided(
@@ -109,6 +111,7 @@ def _divided(
     piece: NDArray[np.int32],
     on: NDArray[np.bool_],
     inner: NDArray[np.int32],
+    inner_piece: NDArray[np.int32],
     origin: NDArray[np.int32],
     is_open: bool,
 ) -> Base:
@@ -118,14 +121,14 @@ def _divided(
     number = np.full(len(points), -1, dtype=np.int32)
     number[vertex] = np.arange(len(vertex))
     triangles = number[rows[on]]
-    _must_be_manifold(domain, np.concatenate([rows, inner]), vertex, rows[on], piece[on])
+    _must_be_manifold(domain, rows, rows[on], piece[on], inner, inner_piece)
     stars = stars_of(triangles, len(vertex))
     single = stars.single & stars_of(rows, len(points)).single[vertex]
     if not single.all():
         v = int(vertex[int(np.argmin(single))])
         raise InputError(
-            f"two parts of the surface touch at point {v}, {at(points[v])}, of which one is a wall, where no "
-            "ray can be in both: give each part a point of its own, and move them apart"
+            f"two parts of the surface touch at point {number_of(domain, v)}, {at(points[v])}, of which one "
+            "is a wall, where no ray can be in both: give each part a point of its own, and move them apart"
         )
     others = np.concatenate([rows[~on], inner])
     if is_open:
@@ -196,11 +199,13 @@ def _must_be_turned_alike(domain: Domain) -> None:
 def _must_be_manifold(
     domain: Domain,
     rows: NDArray[np.int32],
-    vertex: NDArray[np.integer],
     walls: NDArray[np.int32],
     piece: NDArray[np.int32],
+    inner: NDArray[np.int32],
+    inner_piece: NDArray[np.int32],
 ) -> None:
     """At most two triangles at each edge of a wall."""
+    rows = np.concatenate([rows, inner])
     ends = np.sort(rows[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1).astype(np.int64)
     key = np.sort((ends[:, 0] << 32) | ends[:, 1])
     many = key[2:][key[2:] == key[:-2]]
@@ -210,10 +215,17 @@ def _must_be_manifold(
     bad = np.flatnonzero(np.isin((own[:, 0] << 32) | own[:, 1], many))
     if len(bad):
         a, b = own[bad[0]].tolist()
+        edge = f"the edge {number_of(domain, a)}-{number_of(domain, b)}"
+        where = f"{edge} of {domain.name(int(piece[bad[0] // 3]))}, {at(domain.points[a])}"
+        ends = np.flatnonzero((inner == a).any(axis=1) & (inner == b).any(axis=1))
+        if len(ends):
+            raise InputError(
+                f"{domain.name(int(inner_piece[ends[0]]))} ends at {where}, which is a wall: layers would "
+                "cut it; leave the facets there out of walls, or let it end before them"
+            )
         raise InputError(
-            f"more than two facets meet at the edge {a}-{b} of {domain.name(int(piece[bad[0] // 3]))}, "
-            f"{at(domain.points[a])}: there layers would overlap; leave a gap between the parts, or leave "
-            "these facets out of walls"
+            f"more than two facets meet at {where}: there layers would overlap; leave a gap between the "
+            "parts, or leave these facets out of walls"
         )
 
 

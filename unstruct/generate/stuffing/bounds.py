@@ -136,7 +136,10 @@ def stuffing_bounds(
     The stencils are those that meshes are made with; rounding there is not looked at, and changes angles by
     1e-13 degrees or so. Excluded are moves that cannot happen together: a vertex moves only toward vertices
     that had the opposite sign, and never two toward each other, as the first to move takes the cut point.
-    All kinds take some seconds. Sources: F. Labelle, J. R. Shewchuk, *Isosurface stuffing: fast tetrahedral
+    The bounds of the paper are found again: with its pair (0.24999, 0.41189), whose long share excludes that
+    pieces overlap, 9.3171 to 161.6432 degrees; the largest least angle, 10.784, with 164.738 at the default
+    pair; and the smallest largest one, 158.741, with 8.971 at (0.26649, 0.36918). All kinds take some
+    seconds. Sources: F. Labelle, J. R. Shewchuk, *Isosurface stuffing: fast tetrahedral
     meshes with good dihedral angles*, ACM Trans. Graph. 26(3), 2007; on Bernstein's form, G. Farin, *Curves
     and Surfaces for CAGD*, 5th ed., 2002. Book: 4c.
     """
@@ -188,9 +191,9 @@ def _kinds() -> list[tuple[str, ...]]:
 def _cases(kind: str, alpha: tuple[float, ...]) -> Iterator[Case]:
     """The tetrahedra of a kind of stencil, for all places of its signs and all moves that are possible.
 
-    Tetrahedra of the lattice are images of each other by turns and mirrors of the lattice, which exchange the
-    two forms of the parity rule. So one of them is looked at, with both forms. Without diagonals it is also
-    enough to look at one of all places of the signs that its own symmetries exchange.
+    Tetrahedra of the lattice are images of each other by turns and mirrors of the lattice, which may exchange
+    the two forms of the parity rule. So one of them is looked at, with both forms. Without diagonals it is
+    also enough to look at one of all places of the signs that its own symmetries exchange.
     """
     seen: set[tuple[int, ...]] = set()
     for places in sorted(set(permutations(kind))):

@@ -4,9 +4,11 @@ Vertices are inside (+), on the surface (0) or outside (-); an edge from + to - 
 inside is a tetrahedron, a pyramid or a prism. Its quadrilaterals in faces of the tetrahedron are divided by a
 rule that looks at the face alone, so that both sides agree: the corners are two vertices p, q inside and the
 cut points of their edges to a vertex d outside, and the diagonal begins at that of p and q whose edge to d is
-shorter. So it ends at the cut point of the long edge. If both edges are equally long, it begins at that of p,
-q which has a larger coordinate than d along an even number of axes (the *parity rule*). The third diagonal of
-a prism has an end in common with another one. See the book, chapter 4c.
+shorter. So it ends at the cut point of the long edge. If both edges are equally long, the *parity rule*
+decides: along how many axes is the coordinate of p larger than that of d? The diagonal begins at p if this
+number is odd and p is a corner of cubes, or if it is even and p is a center. The third diagonal of a prism
+has an end in common with another one. These are the stencils of Labelle and Shewchuk. See the book, chapter
+4c.
 """
 
 from __future__ import annotations
@@ -55,22 +57,31 @@ def _cut(keys, first, n, i, j):
 
 
 @lean
+def _late(place, p, d):
+    """0 if the parity rule lets diagonals begin at p in faces with d outside, otherwise 1."""
+    larger = bits = np.int64(0)
+    for a in range(3):
+        step = np.int64(place[p, a]) - place[d, a]
+        larger += 1 if step > 0 else 0
+        bits |= step
+    # the side of cubes is twice the lowest bit; p is a corner of cubes if d is a center
+    if place[d, 0] & (bits & -bits):
+        larger += 1
+    return larger & 1
+
+
+@lean
 def _first(place, p, q, d):
     """Whether the diagonal in the face p, q, d begins at p (and not at q)."""
-    one = two = odd = 0
+    one = two = np.int64(0)
     for a in range(3):
         u, v = np.int64(place[p, a]) - place[d, a], np.int64(place[q, a]) - place[d, a]
         one += u * u
         two += v * v
-        odd += (1 if u > 0 else 0) - (1 if v > 0 else 0)
     if one != two:
         return one < two
-    if odd & 1:
-        larger = 0
-        for a in range(3):
-            larger += 1 if place[p, a] > place[d, a] else 0
-        return larger & 1 == 0
-    return p < q
+    late, other = _late(place, p, d), _late(place, q, d)
+    return late < other if late != other else p < q
 
 
 @lean

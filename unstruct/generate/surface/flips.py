@@ -7,7 +7,7 @@ import numpy as np
 from ...base.jit import inline, kernel, lean
 from ...connect.insertion.halfedges import UNUSED, next_edge, prev_edge
 from ...connect.surface.halfedges import SMOOTH, can_flip, flip_edge
-from .shapes import FLIPPED, TOO_FAR, add_normal, degree_of, nearest_to, sharpness
+from .shapes import FLIPS_DONE, TOO_FAR, add_normal, degree_of, middle_distance, nearest_to, sharpness
 
 __all__ = ["count_degrees", "flip_if_better", "flip_pass"]
 
@@ -35,15 +35,27 @@ def _apart(s, e):
 
 @lean
 def _too_far(work, e):
-    """Whether the edge that would replace e is farther from the given surface than allowed, and than e is."""
+    """Whether what would replace edge e and its triangles is farther from the given surface than allowed.
+
+    In rounds, where the end will mend what is left, only the new edge is looked at, and not if it is very
+    near the old one.
+    """
     s, p = work.sheets, work.x[0]
     a, b = s.vertex[e], s.vertex[s.twin[e]]
     allowed = min(s.allowed[a], s.allowed[b])
-    if 4.0 * _apart(s, e) <= allowed * allowed:
+    within = allowed * allowed
+    if work.slack > 1.0 and 4.0 * _apart(s, e) <= within:
         return False
-    for k in range(3):
-        p[k] = 0.5 * (s.xyz[a, k] + s.xyz[b, k])
-    return nearest_to(work, s.near[a], allowed * allowed)[1] > allowed * allowed
+    if middle_distance(work, a, b, -1, within) > within:
+        return True
+    if work.slack > 1.0:
+        return False
+    for v in (s.vertex[next_edge(e)], s.vertex[prev_edge(e)]):
+        for k in range(3):
+            p[k] = (s.xyz[a, k] + s.xyz[b, k] + s.xyz[v, k]) / 3.0
+        if nearest_to(work, s.near[a], within)[1] > within:
+            return True
+    return False
 
 
 @inline
@@ -107,7 +119,7 @@ def flip_if_better(work, e, by_degree):
             s.mark[p] + 1,
             s.mark[q] + 1,
         )
-    work.counts[FLIPPED] += 1
+    work.counts[FLIPS_DONE] += 1
     return True
 
 

@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 # What is tried, one after the other: the share of the wanted lengths, and the angle in radians by which the
 # surface may turn within a length.
 ATTEMPTS = ((1.0, np.inf), (1.0, 0.8), (0.7, 0.5))
-LOWERED = "small: the front did not close with the wanted lengths, so they were lowered"
+LOWERED_SIZE = "small: the front did not close with the wanted lengths, so they were lowered"
 REMESHED = "remeshed: the front did not close ({}), so the surface was remeshed"
 NOT_CLOSED = "given: the front did not close ({}), so the triangles of the surface were kept"
 NO_ROOM = "given: the budget does not suffice, so the triangles of the surface were kept"
@@ -108,7 +108,7 @@ def surface_front(
         why = front.why or _fault(support, front)
         if not why:
             made = _finished(support, front, field, improve)
-            return noticed(_as_mesh(given, made, sharp, counts, LOWERED if attempt else ""))
+            return noticed(_as_mesh(given, made, sharp, counts, LOWERED_SIZE if attempt else ""))
         if front.full:
             break
     if not front.full:

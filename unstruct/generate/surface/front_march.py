@@ -26,9 +26,9 @@ from .front_work import (
     BY_CANDIDATE,
     BY_POINT,
     BY_SEARCH,
-    FULL,
+    FRONT_FULL,
+    FRONT_STUCK,
     LATER_AGAIN,
-    STUCK,
     FrontChoices,
     FrontRun,
     front_run,
@@ -40,7 +40,7 @@ __all__ = ["MarchedFront", "marched"]
 Array = NDArray[np.float64]
 TRIED_STARTS = 12  # vertices of a component without curves at which a first triangle is tried
 SPARE_ROOM = 1.6  # times the number of vertices that areas and sizes let expect
-BEYOND = 1e-3  # by how much the box of the size table is larger than the surface
+BOX_BEYOND = 1e-3  # by how much the box of the size table is larger than the surface
 
 
 class MarchedFront(NamedTuple):
@@ -89,14 +89,14 @@ def marched(support: Support, size: SizeField, share: float, turn: float, budget
     while True:
         run, sides, why = _begun(support, curves, part, choices._replace(most=room), levels)
         status = advance(run, np.empty(len(run.front.stamp), dtype=np.int64))
-        if status != FULL or room > budget:
+        if status != FRONT_FULL or room > budget:
             break
         room = min(2 * room, budget + 8)
-    if status == FULL:
+    if status == FRONT_FULL:
         why = "the budget was used up"
-    elif status == STUCK:
+    elif status == FRONT_STUCK:
         why = "it got stuck"
-    return _taken(run, curves, sides, support, why, status == FULL)
+    return _taken(run, curves, sides, support, why, status == FRONT_FULL)
 
 
 def _sizes(
@@ -111,7 +111,7 @@ def _sizes(
         lengths = np.array([constant])
     else:
         constant, width = 0.0, float((high - low).max())
-        box = np.stack([low - BEYOND * width, low + (1.0 + BEYOND) * width])
+        box = np.stack([low - BOX_BEYOND * width, low + (1.0 + BOX_BEYOND) * width])
         marks = size.landmarks if size.landmarks.shape[1:] == (3,) else np.empty((0, 3))
         marks = marks[((marks >= box[0]) & (marks <= box[1])).all(axis=1)]
         nodes = space_nodes(size, box, factor, marks)

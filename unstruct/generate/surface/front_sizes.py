@@ -17,7 +17,7 @@ from ...geometry.support_features import side_groups, united
 
 __all__ = ["caps_of", "parts_of"]
 
-AROUND = 0.25  # of the diagonal of its box: the largest length on a component without curves
+AROUND_COMPONENT = 0.25  # of the diagonal of its box: the largest length on a component without curves
 GROWTH_OF_CAPS = 0.4  # by distance
 
 
@@ -45,7 +45,9 @@ def caps_of(support: Support, part: NDArray[np.int64], turn: float) -> NDArray[n
     np.minimum.at(low, part[own.ravel()], xyz[own.ravel()])
     np.maximum.at(high, part[own.ravel()], xyz[own.ravel()])
     around = high - low
-    diagonal = AROUND * np.sqrt(np.maximum(around[:, 0], 0.0) ** 2 + around[:, 1] ** 2 + around[:, 2] ** 2)
+    diagonal = AROUND_COMPONENT * np.sqrt(
+        np.maximum(around[:, 0], 0.0) ** 2 + around[:, 1] ** 2 + around[:, 2] ** 2
+    )
     bare = ~curved[part]
     cap[bare] = diagonal[part[bare]]
     if np.isfinite(turn):

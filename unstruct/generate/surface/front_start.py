@@ -15,8 +15,8 @@ from ...sizing.field import SizeField
 __all__ = ["CutCurves", "cut_curves", "sides_of_curves"]
 
 Array = NDArray[np.float64]
-LARGE = 1e3  # scaled: no length
-PROBES = 8  # places in each feature edge at which the size is asked, and as many as are as long as wanted
+NO_LENGTH = 1e3  # scaled: no length
+PROBES_OF_FEATURES = 8  # places in each feature edge, and in each wanted length, where the size is asked
 
 
 class CutCurves(NamedTuple):
@@ -93,13 +93,15 @@ def _cuts(segments: Array, cap: Array, size: SizeField, scale: float, least: int
     along = segments[:, 1] - segments[:, 0]
     length = np.sqrt(along[:, 0] ** 2 + along[:, 1] ** 2 + along[:, 2] ** 2)
     wanted = np.minimum(np.atleast_1d(size(segments.mean(axis=1) / factor)) * scale, cap.min(axis=1))
-    probes = np.maximum(np.ceil(np.minimum(PROBES * length / wanted, 1e5)), PROBES).astype(np.int64)
+    probes = np.maximum(
+        np.ceil(np.minimum(PROBES_OF_FEATURES * length / wanted, 1e5)), PROBES_OF_FEATURES
+    ).astype(np.int64)
     owner = np.repeat(np.arange(len(segments)), probes)
     step = np.arange(len(owner)) - np.repeat(np.cumsum(probes) - probes, probes)
     t = (step + 0.5) / probes[owner]
     x = segments[owner, 0] + t[:, None] * along[owner]
-    most = np.minimum(cap[owner, 0], LARGE) + t * (
-        np.minimum(cap[owner, 1], LARGE) - np.minimum(cap[owner, 0], LARGE)
+    most = np.minimum(cap[owner, 0], NO_LENGTH) + t * (
+        np.minimum(cap[owner, 1], NO_LENGTH) - np.minimum(cap[owner, 0], NO_LENGTH)
     )
     weight = length[owner] / probes[owner] / np.minimum(np.atleast_1d(size(x / factor)) * scale, most)
     total = np.append(0.0, np.cumsum(weight))

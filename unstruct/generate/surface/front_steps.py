@@ -34,10 +34,10 @@ from .front_work import (
     BY_CANDIDATE,
     BY_POINT,
     BY_SEARCH,
-    FINISHED,
-    FULL,
+    FRONT_CLOSED,
+    FRONT_FULL,
+    FRONT_STUCK,
     LATER_AGAIN,
-    STUCK,
     between,
     roundness,
     wanted_at,
@@ -262,9 +262,9 @@ def advance(run, later):
     while True:
         if run.many[0] == 0:
             if waits == 0:
-                return FINISHED
+                return FRONT_CLOSED
             if made == 0 or rounds == LATER_ROUNDS:
-                return STUCK
+                return FRONT_STUCK
             rounds += 1
             for i in range(waits):
                 if front.stamp[later[i]] >= 0:
@@ -278,7 +278,7 @@ def advance(run, later):
             or front.state[FRONT_TRIANGLES] + 4 > front.home.shape[0]
             or run.many[0] + waits + 8 > run.keys.shape[0]
         ):
-            return FULL
+            return FRONT_FULL
         e = run.waiting[0]
         run.many[0] = pop(run.keys, run.waiting, run.many[0])
         if front.stamp[e] < 0:

@@ -18,10 +18,10 @@ __all__ = [
     "BY_CANDIDATE",
     "BY_POINT",
     "BY_SEARCH",
-    "FINISHED",
-    "FULL",
+    "FRONT_CLOSED",
+    "FRONT_FULL",
+    "FRONT_STUCK",
     "LATER_AGAIN",
-    "STUCK",
     "FrontChoices",
     "FrontRun",
     "between",
@@ -31,8 +31,8 @@ __all__ = [
     "wanted_lengths",
 ]
 
-BY_CANDIDATE, BY_POINT, BY_SEARCH, LATER_AGAIN, FRONT_COUNTS = range(5)
-FINISHED, STUCK, FULL = range(3)
+BY_CANDIDATE, BY_POINT, BY_SEARCH, LATER_AGAIN, SURFACE_FRONT_COUNTS = range(5)
+FRONT_CLOSED, FRONT_STUCK, FRONT_FULL = range(3)
 CAP_RISE = 0.4  # by distance, of the largest lengths at vertices
 
 
@@ -98,7 +98,7 @@ def front_run(front: SurfaceFront, nearby: Nearby, held: Held, choices: FrontCho
         np.empty(WAITING_BOXES, dtype=np.int64),
         np.empty(len(nearby.vertex)),
         np.empty(len(nearby.vertex), dtype=np.int64),
-        np.zeros(FRONT_COUNTS, dtype=np.int64),
+        np.zeros(SURFACE_FRONT_COUNTS, dtype=np.int64),
         np.zeros(1, dtype=np.int64),
     )
 

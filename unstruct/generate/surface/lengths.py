@@ -9,7 +9,7 @@ from __future__ import annotations
 from ...base.jit import kernel, lean
 from ...connect.insertion.halfedges import UNUSED, next_edge, prev_edge
 from ...connect.surface.halfedges import (
-    SEAM,
+    SEAM_CURVES,
     SMOOTH,
     SURFACE_SLOTS,
     can_collapse,
@@ -23,7 +23,7 @@ from ...geometry.triangle_tree import onto
 from .flips import flip_if_better
 from .shapes import (
     COLLAPSES,
-    SPLITS,
+    SPLITS_DONE,
     TOO_FAR,
     TURNED,
     add_normal,
@@ -39,7 +39,7 @@ from .shapes import (
 
 __all__ = ["collapse_checked", "collapse_pass", "split_checked", "split_pass"]
 
-LONG, SHORT = 4.0 / 3.0, 4.0 / 5.0
+LONG_SHARE, SHORT_SHARE = 4.0 / 3.0, 4.0 / 5.0
 WORST_COLLAPSED = 0.03  # sharpness of ten degrees: triangles around a collapsed edge may become as sharp
 NEARLY_LONGEST = 1.0 + 1e-9
 
@@ -57,7 +57,7 @@ def _longest_near(s, e):
             if side < 0:
                 break
             for g in (next_edge(side), prev_edge(side)):
-                if s.curve[g] >= SEAM:
+                if s.curve[g] >= SEAM_CURVES:
                     continue
                 other = distance_squared(s.xyz, s.vertex[next_edge(g)], s.vertex[prev_edge(g)])
                 if other > length:
@@ -84,7 +84,7 @@ def split_checked(work, e):
     else:
         work.counts[TURNED] += 1
     s.near[m] = t
-    work.counts[SPLITS] += 1
+    work.counts[SPLITS_DONE] += 1
     return m
 
 
@@ -106,16 +106,16 @@ def _flip_around(work, m):
 def split_pass(work, start, most):
     """Split edges of more than 4/3 of the wanted length, at most so many; where it stopped, or -1."""
     s = work.sheets
-    e, last = start, work.counts[SPLITS] + most
+    e, last = start, work.counts[SPLITS_DONE] + most
     while e < 3 * s.state[SURFACE_SLOTS]:
-        if s.vertex[e - e % 3] == UNUSED or s.twin[e] > e or s.curve[e] >= SEAM:
+        if s.vertex[e - e % 3] == UNUSED or s.twin[e] > e or s.curve[e] >= SEAM_CURVES:
             e += 1
             continue
         while True:
             u, w = s.vertex[next_edge(e)], s.vertex[prev_edge(e)]
-            if distance_squared(s.xyz, u, w) <= LONG * LONG * wanted_squared(s, u, w):
+            if distance_squared(s.xyz, u, w) <= LONG_SHARE * LONG_SHARE * wanted_squared(s, u, w):
                 break
-            if work.counts[SPLITS] >= last or not has_room(s, 1, 2):
+            if work.counts[SPLITS_DONE] >= last or not has_room(s, 1, 2):
                 return e
             m = split_checked(work, _longest_near(s, e))
             _flip_around(work, m)
@@ -236,6 +236,6 @@ def collapse_pass(work, start, stop):
         if s.vertex[e - e % 3] == UNUSED or s.twin[e] > e:
             continue
         u, w = s.vertex[next_edge(e)], s.vertex[prev_edge(e)]
-        if distance_squared(s.xyz, u, w) < SHORT * SHORT * wanted_squared(s, u, w):
-            done += collapse_checked(work, e, WORST_COLLAPSED, LONG)
+        if distance_squared(s.xyz, u, w) < SHORT_SHARE * SHORT_SHARE * wanted_squared(s, u, w):
+            done += collapse_checked(work, e, WORST_COLLAPSED, LONG_SHARE)
     return done

@@ -6,10 +6,10 @@ from ...base.jit import inline, kernel, lean
 from ...connect.insertion.halfedges import UNUSED, next_edge, prev_edge
 from .shapes import add_normal, distance_squared, middle_distance, nearest_to, sharpness
 
-__all__ = ["FAR", "FLAT", "INVERTED", "faults_pass", "grade_pass", "lower_pass"]
+__all__ = ["FLAT_TRIANGLE", "INVERTED", "TOO_FAR_OFF", "faults_pass", "grade_pass", "lower_pass"]
 
-FLAT, INVERTED, FAR = 1, 2, 4  # what may be wrong with a triangle
-FLATTEST = 1e-16  # sharpness of a triangle that counts as flat: 6e-7 degrees
+FLAT_TRIANGLE, INVERTED, TOO_FAR_OFF = 1, 2, 4  # what may be wrong with a triangle
+FLAT_SHARPNESS = 1e-16  # sharpness of a triangle that counts as flat: 6e-7 degrees
 AIM = 0.6  # sizes are lowered so that the distance is this part of what is allowed
 
 
@@ -99,15 +99,15 @@ def faults_pass(work, start, stop, fault):
         a, b, c = s.vertex[3 * t], s.vertex[3 * t + 1], s.vertex[3 * t + 2]
         near, square = _center_distance(work, t, 1.0)
         if square > _most_allowed(s, t):
-            fault[t] |= FAR
+            fault[t] |= TOO_FAR_OFF
         for e in range(3 * t, 3 * t + 3):
             f = s.twin[e]
             if f < e:
                 away = _of_middle(work, e, 1.0)
                 if away > _most_allowed(s, t):
-                    fault[t] |= FAR
+                    fault[t] |= TOO_FAR_OFF
                 if f >= 0 and away > _most_allowed(s, f // 3):
-                    fault[f // 3] |= FAR
+                    fault[f // 3] |= TOO_FAR_OFF
         ref[0] = ref[1] = ref[2] = 0.0
         add_normal(s.xyz, a, b, c, ref)
         facing = 0.0
@@ -116,6 +116,6 @@ def faults_pass(work, start, stop, fault):
         if facing < 0.0:
             fault[t] |= INVERTED
         ref[0] = ref[1] = ref[2] = 0.0
-        if sharpness(s.xyz[a], s.xyz, b, c, ref) < FLATTEST:
-            fault[t] |= FLAT
+        if sharpness(s.xyz[a], s.xyz, b, c, ref) < FLAT_SHARPNESS:
+            fault[t] |= FLAT_TRIANGLE
     return 0

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from ...base.jit import kernel, lean
 from ...connect.insertion.halfedges import next_edge, prev_edge
-from ...connect.surface.halfedges import CORNER, ON_CURVE, SMOOTH, first_corner, turned
-from .shapes import MOVES, settle, star_is_near, star_least, star_normal
+from ...connect.surface.halfedges import ALONG_CURVE, CORNER, SMOOTH, first_corner, turned
+from .shapes import MOVES_DONE, settle, star_is_near, star_least, star_normal
 
 __all__ = ["move_pass", "put_pass", "search_at"]
 
-SHARP_ENOUGH = 0.25  # sharpness of 30 degrees: a move that leaves triangles so good is never refused
+NEVER_REFUSED = 0.25  # sharpness of 30 degrees: a move that leaves triangles so good is never refused
 SEARCH_STEP, LAST_STEP = 0.2, 0.01  # of a pattern search, in wanted lengths
 
 
@@ -75,7 +75,7 @@ def _put(work, v, t):
     for k in range(3):
         s.xyz[v, k] = work.x[0, k]
     s.near[v] = t
-    work.counts[MOVES] += 1
+    work.counts[MOVES_DONE] += 1
 
 
 @kernel
@@ -88,14 +88,14 @@ def move_pass(work, start, stop):
         star_normal(s, v, ref)
         old = star_least(s, v, s.xyz[v], ref, -2.0)
         star_normal(s, v, ref)
-        if s.kind[v] == ON_CURVE:
+        if s.kind[v] == ALONG_CURVE:
             _curve_middle(s, v, p)
         else:
             _star_middle(s, v, p, ref)
         for _ in range(2):
             t = settle(work, v, s.kind[v], s.near[v])
             new = star_least(s, v, p, ref, 0.0)
-            if new >= 0.0 and (new >= SHARP_ENOUGH or new > old):
+            if new >= 0.0 and (new >= NEVER_REFUSED or new > old):
                 _put(work, v, t)
                 break
             for k in range(3):

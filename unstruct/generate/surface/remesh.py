@@ -20,21 +20,21 @@ from ...mesh.mesh import Mesh
 from ...sizing.asked import MISSED_SIZE, MUCH_LONGER
 from ...sizing.field import SizeField, as_size
 from .cleaning import Cleaned, cleaned
-from .distances import curve_deviation, surface_deviation
-from .measuring import FAR, FLAT, INVERTED
-from .run import ALLOWED, ROUNDS, RemeshRun
+from .distances import curve_deviation
+from .measuring import FLAT_TRIANGLE, INVERTED, TOO_FAR_OFF
+from .run import ALLOWED, REMESH_ROUNDS, RemeshRun
 from .seams import divide_seams
-from .shapes import COLLAPSES, FLIPPED, MOVES, SPLITS, TOO_FAR, TURNED
+from .shapes import COLLAPSES, FLIPS_DONE, MOVES_DONE, SPLITS_DONE, TOO_FAR, TURNED
 from .true_surface import moved_onto, nearest_by
 
 __all__ = ["remesh"]
 
-REASONS = {
-    FAR: "farther from the given surface than allowed: give a smaller size there, or a larger deviation",
+FAULT_REASONS = {
+    TOO_FAR_OFF: "farther from the given surface than allowed: a smaller size or a larger deviation helps",
     INVERTED: "turned against the given surface",
-    FLAT: "flat",
+    FLAT_TRIANGLE: "flat",
 }
-CROSSES = "crosses another triangle: give a smaller size there"
+CROSSES_ANOTHER = "crosses another triangle: give a smaller size there"
 NO_BUDGET = "larger than the size: the budget of vertices is used up"
 
 
@@ -120,7 +120,7 @@ def remesh(
         clean = clean._replace(surface=_true(clean.surface, onto, field, within, most))
     given = given_surface(clean.surface, sharp)
     run, group, seams = _begun(given, field, within, most)
-    with progress_bar(progress, " rounds", total=ROUNDS) as bar:
+    with progress_bar(progress, " rounds", total=REMESH_ROUNDS) as bar:
         run.run(bar)
         crossing = run.untangle(bar)
     if onto is not None:
@@ -198,12 +198,12 @@ def _account(
     why: dict[int, str] = {}
     for i in np.flatnonzero(large).tolist():
         why[i] = NO_BUDGET if run.short else MISSED_SIZE
-    for kind, text in REASONS.items():
+    for kind, text in FAULT_REASONS.items():
         why |= dict.fromkeys(np.flatnonzero(fault & kind).tolist(), text)
-    why |= dict.fromkeys(np.flatnonzero(crossed).tolist(), CROSSES)
+    why |= dict.fromkeys(np.flatnonzero(crossed).tolist(), CROSSES_ANOTHER)
     cells = sorted(why)
     names = ("splits", "collapses", "flips", "moves", "refused: too far", "refused: turned over")
-    kinds = (SPLITS, COLLAPSES, FLIPPED, MOVES, TOO_FAR, TURNED)
+    kinds = (SPLITS_DONE, COLLAPSES, FLIPS_DONE, MOVES_DONE, TOO_FAR, TURNED)
     lowered = s.size[taken.vertices] / run.asked(taken.vertices)
     counts = {name: int(run.counts[kind]) for name, kind in zip(names, kinds)} | {
         "lowered": int((lowered < 1.0).sum()),
@@ -211,7 +211,7 @@ def _account(
         "seams": seams,
     }
     figures = {
-        "deviation": surface_deviation(support, points, taken.triangles, s.near[taken.vertices]),
+        "deviation": max(support.deviation(points, taken.triangles)),
         "feature deviation": curve_deviation(support, taken),
         "least angle": float(mesh.quality("min_angle").min()),
         "least size": float(lowered.min()),

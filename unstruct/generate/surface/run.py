@@ -16,9 +16,9 @@ from ...sizing.field import SizeField
 from .faceting import faceting
 from .flips import count_degrees, flip_pass
 from .lengths import collapse_pass, split_pass
-from .measuring import FAR, FLAT, faults_pass, grade_pass, lower_pass
+from .measuring import FLAT_TRIANGLE, TOO_FAR_OFF, faults_pass, grade_pass, lower_pass
 from .moves import move_pass, put_pass
-from .shapes import COLLAPSES, FLIPPED, SPLITS, RemeshWork
+from .shapes import COLLAPSES, FLIPS_DONE, SPLITS_DONE, RemeshWork
 from .sharpest import mend_pass, sharpest_pass
 
 __all__ = ["ALLOWED", "RemeshRun"]
@@ -26,22 +26,22 @@ __all__ = ["ALLOWED", "RemeshRun"]
 Array = NDArray[np.float64]
 ALLOWED = 0.01  # the distance from the given surface that is allowed, in sizes, if nothing is said
 MOST_ALLOWED = 0.15  # the same where the given triangles themselves are coarser than the size
-COARSE = 1.7  # how many times as far as the given triangles are off a smooth surface is allowed
-KEPT_TO = 0.95  # the part of it that is kept to at the places that are looked at
-ROUNDS = 6  # of splits, collapses, flips and moves; more, if the size had to be lowered
-MEASURED = (0, 1, 3)  # rounds after which distances are measured
+COARSE_TIMES = 1.7  # how many times as far as the given triangles are off a smooth surface is allowed
+KEPT_TO = 0.9  # the part of it that is kept to at the places that are looked at
+REMESH_ROUNDS = 6  # of splits, collapses, flips and moves; more, if the size had to be lowered
+MEASURED_ROUNDS = (0, 1, 3)  # rounds after which distances are measured
 FLIP_SWEEPS = 3
-GROWTH = 0.25  # of sizes that are lowered, by distance
+LOWERED_GROWTH = 0.25  # of sizes that are lowered, by distance
 LEAST_SHARE = 0.125  # the part of the wanted size below which it is not lowered
 RELAXED = 1.3  # by how much a lowered size may rise again from one measurement to the next
 TARGETS = (30.0, 35.0, 38.0, 40.0)  # degrees below which triangles are sharp, one after the other
-SWEEPS = 12  # over triangles that are sharp, for each of them
+SHARP_SWEEPS = 12  # over triangles that are sharp, for each of them
 LEAST_TARGET = 35.0  # the same where triangles were split because they were too far from the surface
 LOOSE = 2.25  # the slack of rounds: the end mends what is left too far
 SETTLED = 0.002  # changes per vertex in a round after which no other follows
 MENDS = 5
 UNTANGLED = 4  # times that sizes are halved where triangles cross
-AT_ONCE = 1 << 17  # places that a kernel looks at in one call
+PLACES_AT_ONCE = 1 << 17  # places that a kernel looks at in one call
 GROWN = 0.5  # share of spare vertices by which arrays grow
 
 
@@ -102,10 +102,9 @@ class RemeshRun:
         asked = self.asked(used)
         s.size[used] = np.minimum(asked, np.maximum(s.cap[used], LEAST_SHARE * asked))
         if self.deviation is None:
-            coarse = np.minimum(
-                0.5 * ALLOWED * asked + COARSE * self.faceting[s.near[used]], MOST_ALLOWED * asked
-            )
-            s.allowed[used] = np.maximum(KEPT_TO * ALLOWED * asked, coarse)
+            coarse = COARSE_TIMES * self.faceting[s.near[used]]
+            more = np.minimum(0.5 * ALLOWED * asked + coarse, MOST_ALLOWED * asked)
+            s.allowed[used] = np.where(coarse > ALLOWED * asked, more, KEPT_TO * ALLOWED * asked)
         else:
             s.allowed[used] = self.deviation * self.support.factor
 
@@ -117,7 +116,7 @@ class RemeshRun:
             if room == 0:
                 return
             self.complex.grow(room, 2 * room)
-            start = int(split_pass(self.work, start, min(room, AT_ONCE)))
+            start = int(split_pass(self.work, start, min(room, PLACES_AT_ONCE)))
 
     def room(self) -> int:
         """For how many vertices arrays should grow; notes if there may be no more."""
@@ -130,11 +129,11 @@ class RemeshRun:
         """The number of vertices, counting free ones between others."""
         return int(self.complex.sheets.state[SURFACE_VERTICES])
 
-    def sweep(self, kernel: Any, count: int, *arguments: Any) -> int:
+    def sweep(self, step: Any, count: int, *arguments: Any) -> int:
         """Call a kernel for parts of ``count`` places, one after the other: Ctrl-C has a chance between."""
         work, total = self.work, 0
-        for start in range(0, count, AT_ONCE):
-            total += kernel(work, start, min(start + AT_ONCE, count), *arguments)
+        for start in range(0, count, PLACES_AT_ONCE):
+            total += step(work, start, min(start + PLACES_AT_ONCE, count), *arguments)
         return int(total)
 
     @property
@@ -173,7 +172,7 @@ class RemeshRun:
         s = self.complex.sheets
         if not np.isfinite(s.cap[: self.used]).any():
             return False
-        while self.sweep(grade_pass, 3 * self.slots, GROWTH):
+        while self.sweep(grade_pass, 3 * self.slots, LOWERED_GROWTH):
             pass
         self.refresh()
         return bool((s.size[: self.used] == s.cap[: self.used]).any())
@@ -207,7 +206,7 @@ class RemeshRun:
         """Change triangles with angles of fewer degrees."""
         target = float(np.sin(np.deg2rad(degrees))) ** 2
         tried = np.zeros(len(self.complex.sheets.name), dtype=np.bool_)
-        for _ in range(SWEEPS):
+        for _ in range(SHARP_SWEEPS):
             if self.sweep(sharpest_pass, self.slots, target, tried) == 0:
                 return
 
@@ -225,14 +224,14 @@ class RemeshRun:
             if room == 0:
                 break
             self.complex.grow(room, 2 * room)
-            start = int(mend_pass(self.work, fault, FAR, room))
+            start = int(mend_pass(self.work, fault, TOO_FAR_OFF, room))
         self.flip(False)
         self.sharpen(LEAST_TARGET)
 
     def crossing(self) -> NDArray[np.int64]:
         """Slots of triangles that meet others outside of common vertices and edges, without flat ones."""
         taken = self.complex.taken()
-        sound = np.flatnonzero(self.faults()[taken.slots] & FLAT == 0)
+        sound = np.flatnonzero(self.faults()[taken.slots] & FLAT_TRIANGLE == 0)
         pairs = meeting_pairs(taken.points, np.ascontiguousarray(taken.triangles[sound]))
         return taken.slots[sound[np.unique(pairs)]]
 
@@ -257,21 +256,25 @@ class RemeshRun:
         return self.sweep(put_pass, self.used, places)
 
     def run(self, bar: Any) -> None:
+        """All rounds, and what mends the rest."""
         self.begin()
         self.slack = LOOSE
-        for i in range(ROUNDS):
+        for i in range(REMESH_ROUNDS):
             before = self.counts.copy()
             self.round()
-            lowered = i in MEASURED and self.measure()
+            lowered = i in MEASURED_ROUNDS and self.measure()
             bar.update()
             change = self.counts - before
-            if not lowered and change[SPLITS] + change[COLLAPSES] + change[FLIPPED] < SETTLED * self.used:
+            if (
+                not lowered
+                and change[SPLITS_DONE] + change[COLLAPSES] + change[FLIPS_DONE] < SETTLED * self.used
+            ):
                 break
         self.slack = 1.0
         self.finish()
         for _ in range(MENDS):
             fault = self.faults()
-            if not (fault & FAR).any():
+            if not (fault & TOO_FAR_OFF).any():
                 break
             self.mend(fault)
             bar.update()

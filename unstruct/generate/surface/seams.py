@@ -9,7 +9,7 @@ import numpy as np
 from ...base.jit import kernel
 from ...connect.insertion.halfedges import next_edge, prev_edge
 from ...connect.surface.complex import SurfaceComplex
-from ...connect.surface.halfedges import CORNER, SEAM, SURFACE_SLOTS, edge_between, split_edge
+from ...connect.surface.halfedges import CORNER, SEAM_CURVES, SURFACE_SLOTS, edge_between, split_edge
 
 __all__ = ["divide_seams"]
 
@@ -33,7 +33,7 @@ def _divide(sheets, pairs, start, points, made):
     """
     for i in range(pairs.shape[0]):
         e = edge_between(sheets, pairs[i, 0], pairs[i, 1])
-        sheets.curve[e] += SEAM
+        sheets.curve[e] += SEAM_CURVES
         for j in range(start[i], start[i + 1]):
             m = split_edge(sheets, e)
             for k in range(3):

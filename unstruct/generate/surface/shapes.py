@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, lean
 from ...connect.insertion.halfedges import next_edge, prev_edge
-from ...connect.surface.halfedges import ON_CURVE, SEAM, SMOOTH, Sheets, first_corner, turned
+from ...connect.surface.halfedges import ALONG_CURVE, SEAM_CURVES, SMOOTH, Sheets, first_corner, turned
 from ...geometry.support_walk import Held, nearest_from, nearest_on_chain, walked
 
 __all__ = [
     "COLLAPSES",
-    "FLIPPED",
-    "MOVES",
-    "SPLITS",
+    "FLIPS_DONE",
+    "MOVES_DONE",
+    "SPLITS_DONE",
     "TOO_FAR",
     "TURNED",
     "RemeshWork",
@@ -40,8 +40,8 @@ __all__ = [
 LEAST_COSINE_SQUARED = (
     0.04  # of the angle between a new triangle and the direction that it should have: 78 degrees
 )
-TINY = 1e-24  # a squared distance between points that are equal but for rounding
-SPLITS, COLLAPSES, FLIPPED, MOVES, TOO_FAR, TURNED = 0, 1, 2, 3, 4, 5  # places in the counts
+TINY_SQUARED = 1e-24  # a squared distance between points that are equal but for rounding
+SPLITS_DONE, COLLAPSES, FLIPS_DONE, MOVES_DONE, TOO_FAR, TURNED = 0, 1, 2, 3, 4, 5  # places in the counts
 
 
 class RemeshWork(NamedTuple):
@@ -216,13 +216,13 @@ def settle(work, v, kind, guess):
     ``v`` is the vertex for which it is.
     """
     p, held, place, s = work.x[0], work.held, work.place, work.sheets
-    if kind == ON_CURVE:
+    if kind == ALONG_CURVE:
         e = nearest_on_chain(held, work.x, 0, s.on[v], place, work.stack)
         share = place[1]
         for k in range(3):
             a, b = held.edges[e, 0, k], held.edges[e, 1, k]
             p[k] = a + share * (b - a) if share < 1.0 else b
-        return nearest_to(work, guess, TINY)[0]
+        return nearest_to(work, guess, TINY_SQUARED)[0]
     t = nearest_to(work, guess, s.allowed[v] * s.allowed[v])[0]
     for k in range(3):
         a, b, c = held.corners[t, 0, k], held.corners[t, 1, k], held.corners[t, 2, k]
@@ -241,7 +241,7 @@ def middle_distance(work, u, w, curve, within):
     From the surface, a walk is good enough if it ends at no more than this distance squared.
     """
     s, p, held, place = work.sheets, work.x[0], work.held, work.place
-    if curve >= SEAM:  # it is a part of a given edge
+    if curve >= SEAM_CURVES:  # it is a part of a given edge
         return 0.0
     for k in range(3):
         p[k] = 0.5 * (s.xyz[u, k] + s.xyz[w, k])

@@ -6,11 +6,11 @@ import numpy as np
 
 from ...base.jit import kernel, lean
 from ...connect.insertion.halfedges import UNUSED, next_edge, prev_edge
-from ...connect.surface.halfedges import SEAM, first_corner, has_room, turned
+from ...connect.surface.halfedges import SEAM_CURVES, first_corner, has_room, turned
 from .flips import flip_if_better
 from .lengths import collapse_checked, split_checked
 from .moves import search_at
-from .shapes import SPLITS, distance_squared, sharpness
+from .shapes import SPLITS_DONE, distance_squared, middle_distance, sharpness
 
 __all__ = ["mend_pass", "sharpest_pass"]
 
@@ -84,18 +84,24 @@ def sharpest_pass(work, start, stop, target, tried):
 
 @kernel
 def mend_pass(work, fault, kinds, most):
-    """Split the longest edges of triangles with such faults; where it stopped for want of room, or -1."""
-    s, last = work.sheets, work.counts[SPLITS] + most
+    """Split triangles with such faults, at edges that are too far, or long; where it stopped, or -1."""
+    s, last = work.sheets, work.counts[SPLITS_DONE] + most
     for t in range(fault.shape[0]):
         if s.vertex[3 * t] == UNUSED or fault[t] & kinds == 0:
             continue
-        if work.counts[SPLITS] >= last or not has_room(s, 1, 2):
+        if work.counts[SPLITS_DONE] >= last or not has_room(s, 1, 2):
             return t
-        longest, most = 3 * t, 0.0
+        longest, most, worst = 3 * t, 0.0, 0.0
         for e in range(3 * t, 3 * t + 3):
-            length = distance_squared(s.xyz, s.vertex[next_edge(e)], s.vertex[prev_edge(e)])
-            if length > most and s.curve[e] < SEAM:
-                longest, most = e, length
+            if s.curve[e] >= SEAM_CURVES:
+                continue
+            u, w = s.vertex[next_edge(e)], s.vertex[prev_edge(e)]
+            within = s.allowed[u] * s.allowed[u]
+            away = middle_distance(work, u, w, s.curve[e], within)
+            away = away if away > within else 0.0  # the edge that is too far, else the longest one
+            length = distance_squared(s.xyz, u, w)
+            if away > worst or (away == worst and length > most):
+                longest, most, worst = e, length, away
         fault[t] = 0
         if most == 0.0:
             continue

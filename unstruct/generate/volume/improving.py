@@ -14,7 +14,7 @@ from ...mesh.mesh import Mesh
 from ...predicates.batch import orient_rows
 from .rounder import faces_of_cells, rounded
 
-__all__ = ["improve"]
+__all__ = ["improve", "improved"]
 
 
 def improve(mesh: Mesh, *, seed: int = 0, progress: bool = False) -> DomainMesh:
@@ -48,11 +48,15 @@ def improve(mesh: Mesh, *, seed: int = 0, progress: bool = False) -> DomainMesh:
     Methods Eng. 40 (1997) 3979-4002. For triangles in the plane see `smooth`. Book: 2.8c.
     """
     _refuse(mesh)
-    seed, progress = as_seed(seed), as_flag(progress, "progress")
+    return improved(mesh, mesh.points, as_seed(seed), as_flag(progress, "progress"))
+
+
+def improved(mesh: Mesh, rows: NDArray[np.float64], seed: int, progress: bool) -> DomainMesh:
+    """`improve`, where ``rows`` are the points, which may carry a metric in six columns; see `rounded`."""
     region, values = _classes(mesh)
     faces, edges, fixed = _staying(mesh)
     found = rounded(
-        mesh.points,
+        rows,
         (mesh.simplices, mesh.neighbors, region),
         faces_of_cells(mesh.simplices, faces, len(mesh.points)),
         edges,

@@ -44,9 +44,11 @@ class _Cells(CellArrays):
     """The arrays of `CellArrays`, from cells that are there."""
 
     def __init__(self, points: NDArray, simplices: NDArray, neighbors: NDArray, region: NDArray, seed: int):
+        """From points, which may carry a metric in six further columns."""
         count = len(simplices)
-        self.factor, self.given, self.size = power_of_two(points), len(points), len(points)
+        self.factor, self.given, self.size = power_of_two(points[:, :3]), len(points), len(points)
         self.xyz = points * self.factor
+        self.xyz[:, 3:] *= self.factor
         self.vertex = np.array(simplices, dtype=np.int32).ravel()
         self.across = _linked(neighbors)
         self.at = np.full(self.size, -1, dtype=np.int32)
@@ -94,7 +96,8 @@ def rounded(
 
     Parameters
     ----------
-    points : (n, 3) float64
+    points : (n, 3) or (n, 9) float64
+        The further columns are inverse metrics at the points, by which the shapes are then judged.
     cells : tuple of arrays
         ``simplices`` (m, 4), all positive, ``neighbors`` (m, 4), ``region`` (m,).
     marked : (m, 4) bool
@@ -151,11 +154,11 @@ def _result(points: NDArray, cells: tuple, work: _Cells, vertices: NDArray, coun
     number = np.full(work.slots + 1, -1, dtype=np.int32)
     number[slots] = np.arange(len(slots), dtype=np.int32)
     across = work.across[: 4 * work.slots].reshape(-1, 4)[slots]
-    after = points.copy()
-    after[vertices] = work.xyz[vertices] / work.factor
+    after = points[:, :3].copy()
+    after[vertices] = work.xyz[vertices, :3] / work.factor
     simplices = work.cells().copy()
     if (orient_rows(after, simplices) <= 0).any():  # coordinates so small that scaling has rounded them
-        return Rounded(points, cells[0], cells[1], cells[2], 0, 0)
+        return Rounded(points[:, :3].copy(), cells[0], cells[1], cells[2], 0, 0)
     return Rounded(
         after, simplices, np.where(across >= 0, number[across >> 2], -1).astype(np.int32),
         work.region[slots].copy(), int(counts[REFILLED]), int(counts[SMOOTHED]),

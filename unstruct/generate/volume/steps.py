@@ -18,6 +18,7 @@ from ...connect.spatial.records import COST_KIND, LOCALS
 from ...connect.spatial.recovery import SPARE_SLOTS
 from ...connect.spatial.refill import refill
 from ...connect.spatial.signs import side
+from ...geometry.stretched import METRIC_COLUMNS, metric_gradient
 
 __all__ = ["REFILLED", "SMOOTHED", "cell_badness", "refill_bad", "smooth_bad"]
 
@@ -161,6 +162,8 @@ def _gradient(solid, t, p, step):
         k += 1
     a, b = solid.vertex[4 * t + corner(k, 0)], solid.vertex[4 * t + corner(k, 1)]
     c = solid.vertex[4 * t + corner(k, 2)]
+    if xyz.shape[1] == METRIC_COLUMNS:
+        return metric_gradient(xyz, p, a, b, c, step)
     total = six = 0.0
     for j in range(3):
         i, h = (j + 1) % 3, (j + 2) % 3

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...base.jit import inline
+from .jit import inline
 
 __all__ = ["put", "take"]
 

@@ -1,0 +1,458 @@
+"""A metric in space: three directions and three wanted lengths at every place.
+
+At each place three orthogonal directions d_i have wanted lengths h_i. The metric is the matrix
+M = sum d_i d_i' / h_i^2; the length of a vector v is sqrt(v' M v), and the wanted length of an edge is 1. The
+vectors of length 1 are an ellipsoid with the half-axes h_i d_i. Book: 3.3, 3.5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..base.arrays import as_numbers, as_points
+from ..base.errors import InputError
+from ..base.jit import inline, kernel
+from .field import ASKED_AT_ONCE, SizeField, as_size
+from .metric import asked
+from .space_metric_table import SpaceMetricNodes, cholesky_rows, space_metric_nodes
+
+__all__ = ["SpaceMetric", "directional_space", "intersection_space"]
+
+Array = NDArray[np.float64]
+MOST_SPACE_STRETCH = 1e5  # the largest ratio of two lengths: of its square, doubles keep six digits
+LEAST_IN_SPACE = 1e-90  # least length, and the inverse of the largest: cubes of squares are doubles
+ROWS = np.array([[0, 1, 3], [1, 2, 4], [3, 4, 5]])  # the matrix of a row b11, b21, b22, b31, b32, b33
+IN_ROW = (np.array([0, 1, 1, 2, 2, 2]), np.array([0, 0, 1, 0, 1, 2]))
+SWEEPS = 12  # of rotations, each about squares what is left
+EVEN = 1e-9  # relative difference of two entries that count as equal
+RIGHT_ANGLE = 1e-6  # largest cosine between two directions that count as orthogonal
+
+
+class SpaceMetric:
+    """Wanted lengths in three orthogonal directions at every place of space.
+
+    Parameters
+    ----------
+    function : callable
+        Takes points of shape (k, 3) and returns k symmetric positive definite matrices, shape (k, 3, 3).
+    landmarks : array_like, shape (j, 3), optional
+        Places where the metric has details that coarse sampling would miss.
+    name : str, optional
+        The name that `repr` shows.
+
+    Attributes
+    ----------
+    constant : ndarray, shape (3, 3), or None
+        The matrix, if it is the same everywhere; otherwise None.
+
+    Notes
+    -----
+    `unstruct.sizing` makes metrics in space from directions and lengths (`directional_space`), and from other
+    metrics (`intersection_space`). `unstruct.advancing_front` meshes bodies by them. The ratio of two
+    lengths at a place must not exceed 10^5.
+
+    Examples
+    --------
+    >>> import unstruct
+    >>> metric = unstruct.sizing.SpaceMetric(lambda x: [[[4.0, 0, 0], [0, 4, 0], [0, 0, 100]]] * len(x))
+    >>> metric.lengths([[0, 0, 0]])
+    array([[0.5, 0.5, 0.1]])
+    >>> metric.length([[0, 0, 0]], [[0, 0, 3]])
+    array([30.])
+    """
+
+    def __init__(
+        self,
+        function: Callable[[Array], Any],
+        *,
+        landmarks: ArrayLike | None = None,
+        name: str = "function",
+    ):
+        if not callable(function):
+            raise InputError(f"a metric needs a function of points, not {type(function).__name__}")
+        self.function, self.name = function, name
+        self.landmarks: Array = np.empty((0, 3)) if landmarks is None else as_points(landmarks, "landmarks")
+        if self.landmarks.shape[1] != 3:
+            raise InputError(f"landmarks must have shape (j, 3), not {self.landmarks.shape}")
+        self.constant: Array | None = None
+
+    def inverses(self, x: ArrayLike) -> Array:
+        """The inverse matrices B = sum h_i^2 d_i d_i' at points, (k, 3) -> (k, 6).
+
+        Rows are b11, b21, b22, b31, b32, b33.
+
+        Raises
+        ------
+        InputError
+            If the function raises an error or returns anything but k symmetric positive definite matrices;
+            the message names the first point concerned.
+        """
+        points = as_points(x, "x")
+        if points.shape[1] != 3:
+            raise InputError(f"a metric in space: x must have shape (k, 3), not {points.shape}")
+        result = np.empty((len(points), 6))
+        for i in range(0, len(points), ASKED_AT_ONCE):
+            result[i : i + ASKED_AT_ONCE] = self._inverses(points[i : i + ASKED_AT_ONCE], i)
+        return result
+
+    def _inverses(self, points: Array, first: int) -> Array:
+        return inverted_in_space(matrix_rows(asked(self.function, points, first, "metric"), points, first))
+
+    def at(self, x: ArrayLike) -> Array:
+        """The matrices M at points, (k, 3) -> (k, 3, 3). For errors see `inverses`."""
+        return inverted_in_space(self.inverses(x))[:, ROWS]
+
+    def lengths(self, x: ArrayLike) -> Array:
+        """The three wanted lengths at points, the longest first: (k, 3) -> (k, 3)."""
+        return np.sqrt(spectrum_in_space(self.inverses(x))[0])
+
+    def directions(self, x: ArrayLike) -> Array:
+        """The directions of the `lengths`, unit vectors as rows: (k, 3) -> (k, 3, 3)."""
+        return spectrum_in_space(self.inverses(x))[1]
+
+    def length(self, x: ArrayLike, vectors: ArrayLike) -> Array:
+        """The metric lengths sqrt(v' M v) of vectors at points, (k, 3), (k, 3) -> (k,)."""
+        v = as_numbers(vectors, "vectors")
+        rows = self.inverses(x)
+        if v.shape != (len(rows), 3):
+            raise InputError(f"vectors must have shape ({len(rows)}, 3), not {v.shape}")
+        a, b, c, d, e, f = cholesky_rows(rows).T
+        one = v[:, 0] / a
+        two = (v[:, 1] - b * one) / c
+        three = (v[:, 2] - d * one - e * two) / f
+        return np.sqrt(one * one + two * two + three * three)
+
+    def along(self, x: ArrayLike, direction: ArrayLike) -> Array:
+        """The wanted length in a direction: (k, 3), (k, 3) -> (k,); the length of a direction is ignored."""
+        v = as_numbers(direction, "direction")
+        return np.sqrt(np.square(v).sum(axis=1)) / self.length(x, v)
+
+    def table(self, lower: ArrayLike, upper: ArrayLike, factor: float = 1.0) -> SpaceMetricNodes:
+        """The metric over a box, as arrays that kernels read; see `space_metric_nodes`."""
+        box = np.array([as_numbers(lower, "lower"), as_numbers(upper, "upper")])
+        if box.shape != (2, 3) or not (np.isfinite(box).all() and (box[0] < box[1]).all()):
+            raise InputError("lower and upper must be opposite corners (x, y, z) of a box, lower < upper")
+        marks = self.landmarks
+        marks = marks[((marks >= box[0]) & (marks <= box[1])).all(axis=1)]
+        return space_metric_nodes(self.inverses, box, factor, marks, self.constant is not None)
+
+    def __repr__(self) -> str:
+        if self.constant is not None:
+            return f"<SpaceMetric: constant {self.constant.tolist()}>"
+        return f"<SpaceMetric: {self.name}>"
+
+
+class _Inverse(SpaceMetric):
+    """A metric whose function returns the inverse matrices, rows (k, 6), which are known to be valid."""
+
+    def _inverses(self, points: Array, first: int) -> Array:
+        return self.function(points)
+
+
+def directional_space(directions: ArrayLike | Callable[[Array], Any], lengths: Any) -> SpaceMetric:
+    """A metric in space from three directions and three lengths.
+
+    Parameters
+    ----------
+    directions : array_like, shape (3, 3), or function (k, 3) -> (k, 3, 3)
+        Three orthogonal vectors as rows; their lengths and their signs do not matter.
+    lengths : sequence of three of: number, function (k, 3) -> (k,), or SizeField
+        The wanted lengths in these directions.
+
+    Returns
+    -------
+    SpaceMetric
+
+    Raises
+    ------
+    InputError
+        For directions that are zero, not finite or not orthogonal, for lengths that are not positive and
+        finite, and for a ratio of lengths above 10^5; the message names the first point concerned.
+
+    Notes
+    -----
+    O(k) for k points. Source: P. L. George, H. Borouchaki, Delaunay Triangulation and Meshing (1998).
+    Book: 3.3, 3.5.
+
+    Examples
+    --------
+    >>> import unstruct
+    >>> layer = unstruct.sizing.directional_space(
+    ...     [[1, 0, 0], [0, 1, 0], [0, 0, 1]], [0.5, 0.5, lambda x: 0.01 + 0.2 * x[:, 2]]
+    ... )
+    >>> layer.lengths([[0, 0, 0], [0, 0, 1]]).round(6)
+    array([[0.5 , 0.5 , 0.01],
+           [0.5 , 0.5 , 0.21]])
+    """
+    try:
+        three = list(lengths)
+    except TypeError:
+        three = []
+    if len(three) != 3 or isinstance(lengths, (str, bytes, dict)):
+        raise InputError("lengths must be three sizes, one for each direction")
+    sizes = [as_size(one) for one in three]
+    if callable(directions):
+        given: Any = directions
+    else:
+        frame = as_numbers(directions, "directions")
+        if frame.shape != (3, 3):
+            raise InputError(f"directions must have shape (3, 3), not {frame.shape}")
+        given = partial(_repeated, frame)
+    marks = [one.landmarks for one in sizes if one.landmarks.shape[1:] == (3,)]
+    metric = _Inverse(
+        partial(_framed, given, sizes),
+        landmarks=np.concatenate([np.empty((0, 3)), *marks]),
+        name="three directions and lengths",
+    )
+    if not callable(directions) and all(one.constant is not None for one in sizes):
+        metric.constant = metric.at(np.zeros((1, 3)))[0]
+    return metric
+
+
+def _repeated(frame: Array, x: Array) -> Array:
+    return np.tile(frame, (len(x), 1, 1))
+
+
+def _framed(directions: Callable[[Array], Any], sizes: list[SizeField], x: Array) -> Array:
+    """The rows of the inverse metric."""
+    d = np.array(asked(directions, x, 0, "directions"), dtype=np.float64)
+    if d.shape != (len(x), 3, 3):
+        raise InputError(
+            f"the directions must have shape {(len(x), 3, 3)} for {len(x)} points, not {d.shape}"
+        )
+    size = np.abs(d).max(axis=2, initial=0.0)
+    bad = ~(np.isfinite(size) & (size > 0)).all(axis=1)
+    if bad.any():
+        row = int(np.argmax(bad))
+        raise InputError(
+            f"directions are {d[row].tolist()} at x[{row}] = {x[row].tolist()}; they must be finite, "
+            "and none zero"
+        )
+    d /= size[:, :, None]
+    d /= np.sqrt(np.square(d).sum(axis=2))[:, :, None]
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        dot = (d[:, i] * d[:, j]).sum(axis=1)
+        if (np.abs(dot) > RIGHT_ANGLE).any():
+            row = int(np.argmax(np.abs(dot)))
+            raise InputError(
+                f"directions {i} and {j} have the cosine {dot[row]:g} at x[{row}] = {x[row].tolist()}; they "
+                "must be orthogonal"
+            )
+        d[:, j] -= dot[:, None] * d[:, i]
+    h = np.stack([one(x) for one in sizes], axis=1)
+    _check_lengths(h, x)
+    h *= h
+    rows = np.zeros((len(x), 6))
+    for k in range(3):
+        rows += h[:, k, None] * d[:, k, IN_ROW[0]] * d[:, k, IN_ROW[1]]
+    return rows
+
+
+def _check_lengths(h: Array, x: Array) -> None:
+    """Refuse lengths with which doubles do not get along."""
+    low, high = h.min(axis=1, initial=np.inf), h.max(axis=1, initial=0.0)
+    bad = (high > MOST_SPACE_STRETCH * low * (1 + 1e-9)) | (low < LEAST_IN_SPACE) | (high > 1 / LEAST_IN_SPACE)
+    if bad.any():
+        row = int(np.argmax(bad))
+        raise InputError(
+            f"the lengths are {h[row].tolist()} at x[{row}] = {x[row].tolist()}: their ratio must not exceed "
+            f"{MOST_SPACE_STRETCH:g}, and they must be in the range of doubles; bound them"
+        )
+
+
+def intersection_space(*metrics: Any) -> SpaceMetric:
+    """The metric in space that asks for what each of several asks for: the largest ellipsoid within them all.
+
+    Parameters
+    ----------
+    *metrics : SpaceMetric, or any size
+        Sizes count as metrics with the same length in all directions.
+
+    Returns
+    -------
+    SpaceMetric
+        Largest for two metrics. Three or more are intersected one after the other, and the result depends a
+        little on their order.
+
+    Raises
+    ------
+    InputError
+        Without a metric, and as `SpaceMetric.inverses` does; also if the result has a ratio above 10^5.
+
+    Notes
+    -----
+    In the coordinates in which the first matrix is the identity the second one is N; of the eigenvalues of N
+    those below 1 are replaced by 1. O(k) for k points. Source: F. Alauzet, Finite Elements in Analysis and
+    Design 46 (2010) 181-202. Book: 3.3.
+
+    Examples
+    --------
+    >>> import unstruct
+    >>> flat = unstruct.sizing.directional_space([[1, 0, 0], [0, 1, 0], [0, 0, 1]], [1, 1, 0.1])
+    >>> unstruct.sizing.intersection_space(flat, 0.5).lengths([[0, 0, 0]]).round(6)
+    array([[0.5, 0.5, 0.1]])
+    """
+    if not metrics:
+        raise InputError("intersection_space needs at least one metric")
+    frame = np.eye(3)
+    every = [
+        one if isinstance(one, SpaceMetric) else directional_space(frame, [as_size(one)] * 3)
+        for one in metrics
+    ]
+    if len(every) == 1:
+        return every[0]
+    metric = _Inverse(
+        partial(_met, every),
+        landmarks=np.concatenate([one.landmarks for one in every]),
+        name=f"intersection of {len(every)}",
+    )
+    if all(one.constant is not None for one in every):
+        metric.constant = metric.at(np.zeros((1, 3)))[0]
+    return metric
+
+
+def _met(metrics: list[SpaceMetric], x: Array) -> Array:
+    """The inverse matrices of the intersection: B = L L', and of L^-1 B2 L^-T no eigenvalue above 1 stays."""
+    rows = metrics[0].inverses(x)
+    for one in metrics[1:]:
+        intersect_in_space(rows, cholesky_rows(rows), one.inverses(x))
+    _check_lengths(np.sqrt(spectrum_in_space(rows)[0]), x)
+    return rows
+
+
+def matrix_rows(matrices: Any, points: Array, first: int = 0) -> Array:
+    """Rows (k, 6) of matrices (k, 3, 3), which are checked; ``points[0]`` is row ``first`` for messages."""
+    array = as_numbers(matrices, "metric")
+    if array.shape != (len(points), 3, 3):
+        raise InputError(
+            f"metric must have shape {(len(points), 3, 3)} for {len(points)} points, not {array.shape}"
+        )
+    rows = 0.5 * (array[:, IN_ROW[0], IN_ROW[1]] + array[:, IN_ROW[1], IN_ROW[0]])
+    size = np.abs(array).max(axis=(1, 2), initial=0.0)
+    finite = np.isfinite(size) & (size > 0)
+    even = np.abs(array - array.swapaxes(1, 2)).max(axis=(1, 2), initial=0.0) <= EVEN * size
+    values = spectrum_in_space(np.where(finite[:, None], rows, [1.0, 0, 1, 0, 0, 1]))[0]
+    positive = finite & (values[:, 2] > 0)
+    near = values[:, 0] <= MOST_SPACE_STRETCH**2 * values[:, 2] * (1 + 1e-3)
+    near &= (values[:, 2] > LEAST_IN_SPACE**2) & (values[:, 0] < LEAST_IN_SPACE**-2)
+    bad = ~(even & positive & near)
+    if bad.any():
+        row = int(np.argmax(bad))
+        wrong = "symmetric" if positive[row] and not even[row] else "positive definite and finite"
+        if positive[row] and even[row]:
+            wrong = f"such that the ratio of its lengths is at most {MOST_SPACE_STRETCH:g}; bound it"
+        raise InputError(
+            f"metric is {array[row].tolist()} at x[{first + row}] = {points[row].tolist()}: it must be {wrong}"
+        )
+    return rows
+
+
+# ---------------------------------------------------------------------- eigenvalues
+
+
+@inline
+def _rotate(a, v, p, q, r):
+    """One rotation of Jacobi's method, which makes a[p, q] zero; r is the third index."""
+    if a[p, q] == 0.0:
+        return
+    theta = (a[q, q] - a[p, p]) / (2.0 * a[p, q])
+    t = 1.0 / (abs(theta) + np.sqrt(theta * theta + 1.0))
+    if theta < 0.0:
+        t = -t
+    c = 1.0 / np.sqrt(t * t + 1.0)
+    s = t * c
+    a[p, p] -= t * a[p, q]
+    a[q, q] += t * a[p, q]
+    a[p, q] = a[q, p] = 0.0
+    x, y = a[r, p], a[r, q]
+    a[r, p] = a[p, r] = c * x - s * y
+    a[r, q] = a[q, r] = s * x + c * y
+    for k in range(3):
+        x, y = v[p, k], v[q, k]
+        v[p, k], v[q, k] = c * x - s * y, s * x + c * y
+
+
+@inline
+def _diagonalize(a, v):
+    """Make the symmetric matrix a diagonal by rotations; the rows of v become the eigenvectors."""
+    for k in range(3):
+        for j in range(3):
+            v[k, j] = 1.0 if k == j else 0.0
+    for _ in range(SWEEPS):
+        _rotate(a, v, 0, 1, 2)
+        _rotate(a, v, 0, 2, 1)
+        _rotate(a, v, 1, 2, 0)
+
+
+@kernel
+def _spectra(rows, values, vectors):
+    a = np.empty((3, 3))
+    for i in range(rows.shape[0]):
+        a[0, 0], a[1, 1], a[2, 2] = rows[i, 0], rows[i, 2], rows[i, 5]
+        a[0, 1] = a[1, 0] = rows[i, 1]
+        a[0, 2] = a[2, 0] = rows[i, 3]
+        a[1, 2] = a[2, 1] = rows[i, 4]
+        _diagonalize(a, vectors[i])
+        for k in range(3):
+            values[i, k] = a[k, k]
+
+
+def spectrum_in_space(rows: Array) -> tuple[Array, Array]:
+    """Eigenvalues (k, 3), the largest first, and eigenvectors as rows (k, 3, 3), of matrices (k, 6)."""
+    values, vectors = np.empty((len(rows), 3)), np.empty((len(rows), 3, 3))
+    size = np.abs(rows).max(axis=1, initial=0.0)
+    _spectra(rows / size[:, None], values, vectors)
+    order = np.argsort(-values, axis=1, kind="stable")
+    values = np.take_along_axis(values, order, axis=1) * size[:, None]
+    return values, np.take_along_axis(vectors, order[:, :, None], axis=1)
+
+
+def inverted_in_space(rows: Array) -> Array:
+    """The inverses of positive definite matrices, (k, 6) -> (k, 6)."""
+    values, vectors = spectrum_in_space(rows)
+    result = np.zeros((len(rows), 6))
+    for k in range(3):
+        result += vectors[:, k, IN_ROW[0]] * vectors[:, k, IN_ROW[1]] / values[:, k, None]
+    return result
+
+
+@kernel
+def intersect_in_space(into, root, other):
+    """Replace each B of ``into``, rows (k, 6), by that of its intersection with ``other``; B = root root'."""
+    a, v, w = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
+    for i in range(into.shape[0]):
+        l = root[i]
+        for k in range(3):  # w = L^-1 other
+            for j in range(3):
+                high, low = max(k, j), min(k, j)
+                w[k, j] = other[i, high * (high + 1) // 2 + low]
+        for j in range(3):
+            w[0, j] = w[0, j] / l[0]
+            w[1, j] = (w[1, j] - l[1] * w[0, j]) / l[2]
+            w[2, j] = (w[2, j] - l[3] * w[0, j] - l[4] * w[1, j]) / l[5]
+        for k in range(3):
+            a[k, 0] = w[k, 0] / l[0]
+            a[k, 1] = (w[k, 1] - l[1] * a[k, 0]) / l[2]
+            a[k, 2] = (w[k, 2] - l[3] * a[k, 0] - l[4] * a[k, 1]) / l[5]
+        for k in range(3):
+            for j in range(k):
+                a[k, j] = a[j, k] = 0.5 * (a[k, j] + a[j, k])
+        _diagonalize(a, v)
+        for k in range(6):
+            into[i, k] = 0.0
+        for n in range(3):
+            least = min(a[n, n], 1.0)
+            x = l[0] * v[n, 0]
+            y = l[1] * v[n, 0] + l[2] * v[n, 1]
+            z = l[3] * v[n, 0] + l[4] * v[n, 1] + l[5] * v[n, 2]
+            into[i, 0] += least * x * x
+            into[i, 1] += least * x * y
+            into[i, 2] += least * y * y
+            into[i, 3] += least * x * z
+            into[i, 4] += least * y * z
+            into[i, 5] += least * z * z
