@@ -11,7 +11,7 @@ from unstruct import InputError, sizing
 from unstruct.sizing.field import as_size
 from unstruct.sizing.on_faces import on_plane, wanted_along, wanted_triangles
 from unstruct.sizing.space_metric_table import factors_in_space
-from unstruct.sizing.space_spectrum import ROWS
+from unstruct.sizing.space_spectrum import ENTRY_OF_MATRIX
 
 
 def frames(seed: int, count: int, decades: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -83,7 +83,7 @@ def test_table() -> None:
     x, v = 1 + rng.random((500, 3)) * [1, 1, 2], rng.normal(size=(500, 3))
     l = np.empty((500, 6))
     factors_in_space(table, x * 0.25, l)
-    lower = l[:, ROWS] * np.tri(3)
+    lower = l[:, ENTRY_OF_MATRIX] * np.tri(3)
     image = np.linalg.solve(lower, v[:, :, None] * 0.25)[:, :, 0]
     assert np.linalg.norm(image, axis=1) == pytest.approx(thin.length(x, v), rel=0.12)
     marked = sizing.SpaceMetric(lambda x: np.tile(np.eye(3), (len(x), 1, 1)), landmarks=[[0.3, 0.3, 0.3]])

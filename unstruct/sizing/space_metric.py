@@ -19,14 +19,14 @@ from ..base.errors import InputError
 from .field import ASKED_AT_ONCE, SizeField, as_size
 from .metric import asked
 from .space_metric_table import SpaceMetricNodes, cholesky_rows, space_metric_nodes
-from .space_spectrum import IN_ROW, ROWS, intersect_in_space, inverted_in_space, spectrum_in_space
+from .space_spectrum import ENTRY_OF_MATRIX, IN_ROW, intersect_in_space, inverted_in_space, spectrum_in_space
 
 __all__ = ["SpaceMetric", "directional_space", "intersection_space"]
 
 Array = NDArray[np.float64]
 MOST_SPACE_STRETCH = 1e5  # the largest ratio of two lengths: of its square, doubles keep six digits
 LEAST_IN_SPACE = 1e-90  # least length, and the inverse of the largest: cubes of squares are doubles
-EVEN = 1e-9  # relative difference of two entries that count as equal
+SYMMETRIC_UP_TO = 1e-9  # relative difference of two entries that count as equal
 RIGHT_ANGLE = 1e-6  # largest cosine between two directions that count as orthogonal
 
 
@@ -102,7 +102,7 @@ class SpaceMetric:
 
     def at(self, x: ArrayLike) -> Array:
         """The matrices M at points, (k, 3) -> (k, 3, 3). For errors see `inverses`."""
-        return inverted_in_space(self.inverses(x))[:, ROWS]
+        return inverted_in_space(self.inverses(x))[:, ENTRY_OF_MATRIX]
 
     def lengths(self, x: ArrayLike) -> Array:
         """The three wanted lengths at points, the longest first: (k, 3) -> (k, 3)."""
@@ -334,7 +334,7 @@ def matrix_rows(matrices: Any, points: Array, first: int = 0) -> Array:
     rows = 0.5 * (array[:, IN_ROW[0], IN_ROW[1]] + array[:, IN_ROW[1], IN_ROW[0]])
     size = np.abs(array).max(axis=(1, 2), initial=0.0)
     finite = np.isfinite(size) & (size > 0)
-    even = np.abs(array - array.swapaxes(1, 2)).max(axis=(1, 2), initial=0.0) <= EVEN * size
+    even = np.abs(array - array.swapaxes(1, 2)).max(axis=(1, 2), initial=0.0) <= SYMMETRIC_UP_TO * size
     values = spectrum_in_space(np.where(finite[:, None], rows, [1.0, 0, 1, 0, 0, 1]))[0]
     positive = finite & (values[:, 2] > 0)
     near = values[:, 0] <= MOST_SPACE_STRETCH**2 * values[:, 2] * (1 + 1e-3)

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from ..base.jit import inline, kernel
 
-__all__ = ["IN_ROW", "ROWS", "intersect_in_space", "inverted_in_space", "spectrum_in_space"]
+__all__ = ["ENTRY_OF_MATRIX", "IN_ROW", "intersect_in_space", "inverted_in_space", "spectrum_in_space"]
 
 Array = NDArray[np.float64]
-ROWS = np.array([[0, 1, 3], [1, 2, 4], [3, 4, 5]])  # the matrix of a row
+ENTRY_OF_MATRIX = np.array([[0, 1, 3], [1, 2, 4], [3, 4, 5]])  # the matrix of a row
 IN_ROW = (np.array([0, 1, 1, 2, 2, 2]), np.array([0, 0, 1, 0, 1, 2]))
-SWEEPS = 12  # of rotations; each squares what is left, roughly
+JACOBI_SWEEPS = 12  # of rotations; each squares what is left, roughly
 
 
 @inline
@@ -47,7 +47,7 @@ def _diagonalize(a, v):
     for k in range(3):
         for j in range(3):
             v[k, j] = 1.0 if k == j else 0.0
-    for _ in range(SWEEPS):
+    for _ in range(JACOBI_SWEEPS):
         _rotate(a, v, 0, 1, 2)
         _rotate(a, v, 0, 2, 1)
         _rotate(a, v, 1, 2, 0)
