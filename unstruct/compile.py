@@ -121,6 +121,8 @@ def _fronts_in_space() -> None:
     unstruct.front_delaunay(body, [[0.4, 0.5, 0.6], [0.5, 0.3, 0.4]])
     unstruct.advancing_front(body, 0.6)
     unstruct.advancing_front(body, _grid, history=True)
+    metric = unstruct.sizing.directional_space([[1, 0, 0], [0, 1, 0], [0, 0, 1]], [0.6, 0.6, 0.3])
+    unstruct.advancing_front(body, unstruct.sizing.intersection_space(metric, 0.5))
 
 
 def _metrics() -> None:

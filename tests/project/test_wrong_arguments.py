@@ -84,6 +84,11 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
         "stuck_body": (u.examples.stuck_body, (), {"name": "convex"}),
         "front in space": (u.advancing_front, (u.Domain.box(), 0.6), {}),
         "front in a metric": (u.advancing_front, (SQUARE, sizing.directional((1.0, 0.0), 0.3, 0.2)), {}),
+        "front in a metric in space": (
+            u.advancing_front, (BOX, sizing.directional_space(np.eye(3), [0.9, 0.9, 0.5])), {},
+        ),
+        "directional_space": (sizing.directional_space, (np.eye(3), [0.1, 0.2, 0.3]), {}),
+        "intersection_space": (sizing.intersection_space, (0.5,), {}),
         "front_delaunay": (u.front_delaunay, (SQUARE, 0.3), {}),
         "advancing_layers": (u.advancing_layers, (SQUARE, 0.2), {"layers": LAYERS, "walls": ["a"]}),
         "surface_delaunay": (u.surface_delaunay, (SURFACE,), {}),

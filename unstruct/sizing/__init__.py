@@ -35,13 +35,13 @@ from .solution import from_hessian as from_hessian
 from .solution import hessian as hessian
 from .solution import mesh_size as mesh_size
 from .solution import to_vertices as to_vertices
-from .space_metric import SpaceMetric as SpaceMetric
-from .space_metric import directional_space as directional_space
-from .space_metric import intersection_space as intersection_space
 from .source_sizes import lines as lines
 from .source_sizes import points as points
 from .source_sizes import polygons as polygons
 from .source_sizes import sources as sources
+from .space_metric import SpaceMetric as SpaceMetric
+from .space_metric import directional_space as directional_space
+from .space_metric import intersection_space as intersection_space
 from .surface import from_facets as from_facets
 from .table import SizeTable as SizeTable
 

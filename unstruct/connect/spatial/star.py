@@ -43,7 +43,15 @@ from .opening import (
     third,
 )
 
-__all__ = ["add_star", "commit_star", "flawed_faces", "in_star", "room_for_star", "search_star", "settle_star"]
+__all__ = [
+    "add_star",
+    "commit_star",
+    "flawed_faces",
+    "in_star",
+    "room_for_star",
+    "search_star",
+    "settle_star",
+]
 
 LEAST_HEIGHT = (
     2.0**-50

@@ -57,6 +57,7 @@ def advancing_front(
     ----------
     domain : Domain
     size : number, function (k, 2) -> (k,), SizeField, Metric, or dict of region name to one of these
+        For a body also a SpaceMetric, for all of it.
         The wanted edge length h. In a dict the key None stands for all regions that are not named; a piece
         between two regions takes the smaller size. Pieces of the boundary are cut into edges of about this
         length: they are the first front. With a `sizing.Metric` the wanted length depends on the direction;
@@ -169,7 +170,14 @@ def advancing_front(
     surface, or 0.75 times the least h. ``counts`` has "empty sphere" for "empty circle", and "flat", for
     ideal points whose cells would be flatter than that. ``unrefined`` are the cells with an edge of more than
     2.5 h; there are some where triangles that stay are larger than the size. ``steps`` has "face" for "edge".
-    Metrics are for the plane.
+
+    *In space, by a* `sizing.SpaceMetric`, R, the ideal point, distances, lenses and the spheres of cavities
+    are measured in the metric, and edges and polygons of the surface are cut by it. A cavity is used only if
+    the point sees all its walls, by exact signs, so the mesh is valid whatever the metric is. No point is
+    placed within the metric distance 0.05 of a wall, hence of any vertex: their number is bounded. ``finish``
+    judges shapes in the metric. ``figures`` has qualities and lengths as in the plane, ``unrefined`` the
+    cells with an edge above 2.5. ``order`` is "widest" or "oldest", ``placement`` "equal sides" or "sphere";
+    ``steps["size"]`` (the lateral edge) and ``steps["radius"]`` are in the metric.
 
     *The classical method in space* may stick: no vertex of the front can be joined to any face of it, as with
     Schönhardt's prism. What is left is then filled by recovery with points inside, and counted. See
@@ -242,6 +250,10 @@ def _in_space(
         if method == "classical":
             raise InputError("a metric is for method = 'delaunay'; the classical method takes sizes")
         return metric_space_front(domain, size, filled_by_metric, **options)
+    if isinstance(size, Metric):
+        raise InputError(f"{size!r} is of the plane; for a body give a sizing.SpaceMetric")
+    if isinstance(size, Mapping) and any(isinstance(one, SpaceMetric) for one in size.values()):
+        raise InputError("a metric in space is for the whole body: give it alone, not by regions")
     return SPACE_METHODS[method](domain, size, **options)
 
 

@@ -36,7 +36,14 @@ from .metric_measures import (
 )
 from .placing import LONGEST_LATERAL, ON_SPHERE, SHORTEST_LATERAL
 from .steps import (
-    APEX_FITS, APEX_LENS, LACKS_SLOTS, LEAST_VOLUME, NOT_SEEN, TOO_FLAT_ANGLE, TOO_LOW, VERTEX_NEAR,
+    APEX_FITS,
+    APEX_LENS,
+    LACKS_SLOTS,
+    LEAST_VOLUME,
+    NOT_SEEN,
+    TOO_FLAT_ANGLE,
+    TOO_LOW,
+    VERTEX_NEAR,
 )  # fmt: skip
 
 ROOM_IN_STAR = 0.05  # no point nearer than that to a wall of its cavity
@@ -147,7 +154,9 @@ def judge_metric_star(solid, star, face, p, m, clearance, local, out):
             verdict = TOO_LOW
         square = face_center(local, 0, 1, 2, out)
         if wall == face:
-            mean = (square_between(local, 0, 1) + square_between(local, 0, 2) + square_between(local, 1, 2)) / 3
+            mean = (
+                square_between(local, 0, 1) + square_between(local, 0, 2) + square_between(local, 1, 2)
+            ) / 3
             six = _six_volumes(local)
             if not six >= LEAST_VOLUME * mean * np.sqrt(mean):
                 verdict = TOO_LOW

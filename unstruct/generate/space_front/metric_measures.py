@@ -1,7 +1,7 @@
 """What the front in space measures in a metric, compiled: cells and faces are mapped, then measured as usual.
 
-A metric at a place is a factor L of its inverse (`sizing.space_metric_table`): the vector L w of space has the
-image w, and metric lengths are those of images. The map keeps orientation. A few vertices of a cell are
+A metric at a place is a factor L of its inverse (`sizing.space_metric_table`): the vector L w of space has
+the image w, and metric lengths are those of images. The map keeps orientation. A few vertices of a cell are
 mapped into the rows of ``local``, relative to some origin; circumcenters and lenses are those of
 `volume_points.measures` there. Nothing here decides topology. Book: 3.3, 3.5.
 """
@@ -95,7 +95,7 @@ def square_of_face(xyz, vertex, face, table, local):
 
 @apart
 def in_metric_ball(xyz, vertex, t, p, m, local, out):
-    """Whether p is in the metric sphere of cell t, up to rounding; so it is if nothing of the cell is left."""
+    """Whether p is in the metric sphere of cell t, up to rounding; so it is if the cell is flat."""
     map_cell(xyz, vertex, 4 * t, m, p, local)
     square, _, _ = cell_center(local, LOCAL_CELL, 0, out)
     return not out[0] ** 2 + out[1] ** 2 + out[2] ** 2 >= square

@@ -90,7 +90,7 @@ def metric_space_front(
         return mesh if cut is None else as_parts(domain, cut, mesh)
     run = MetricSpaceRun(body, cells, found, order, placement, history)
     with progress_bar(progress, " points", desc="front") as bar:
-        run.march(metric.table(*domain.bounds, factor=cells.factor), most, bar)
+        run.march(metric.table(domain.bounds[0], domain.bounds[1], cells.factor), most, bar)
     made = run.result() if cut is None else as_parts(domain, cut, run.result())
     if run.spent:
         made.figures = made.figures | figures_of(made, metric)
@@ -124,9 +124,7 @@ def measured(mesh: DomainMesh, metric: SpaceMetric) -> tuple[Array, Array]:
     """The metric lengths (t, 6) of the edges of cells, and their metric qualities, both at barycenters."""
     x = mesh.points[mesh.simplices]
     middle, v = x.mean(axis=1), x[:, 1:] - x[:, :1]
-    lengths = np.stack(
-        [metric.length(middle, x[:, j] - x[:, i]) for i, j in EDGES_IN_METRIC], axis=1
-    )
+    lengths = np.stack([metric.length(middle, x[:, j] - x[:, i]) for i, j in EDGES_IN_METRIC], axis=1)
     six = np.abs(np.linalg.det(v / metric.lengths(middle).prod(axis=1)[:, None, None] ** (1 / 3)))
     return lengths, 12.0 * (six / 2.0) ** (2.0 / 3.0) / np.square(lengths).sum(axis=1)
 

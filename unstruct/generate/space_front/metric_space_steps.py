@@ -1,4 +1,4 @@
-"""The steps of the front in space in a metric, compiled: `steps`, with everything that is measured through it.
+"""The steps of the front in space in a metric, compiled: `steps`, with all measures through it.
 
 The queue, the rules of acceptance and the record are those of `ledger` and `steps`; lengths are 1 where they
 are as wanted. For measures see `metric_measures`, for points, and why this ends, `metric_apex`. Book: 3.5.
@@ -24,7 +24,12 @@ from ..volume_points.measures import cell_center
 from . import ledger as book
 from .metric_apex import metric_apex, try_metric_apex
 from .metric_measures import (
-    LOCAL_CELL, map_cell, metric_at_cell, put_back, square_of_cell, square_of_face,
+    LOCAL_CELL,
+    map_cell,
+    metric_at_cell,
+    put_back,
+    square_of_cell,
+    square_of_face,
 )  # fmt: skip
 from .steps import APEX_FITS, LACKS_SLOTS, NO_REASON, NOT_SEEN, write_row
 
