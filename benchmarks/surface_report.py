@@ -16,8 +16,8 @@ __all__ = ["TABLES", "intrinsic", "markdown", "plot", "remeshing", "summary"]
 def remeshing(rows: list[Row]) -> str:
     """A line for each surface and contestant, in two tables; **bold** if a peer is faster."""
     head = ["surface", "given triangles", "by", "triangles", "seconds", "1000 triangles/s", f"{OURS} ÷ it"]
-    other = ["surface", "by", "least angle", "0.1 % below", "deviation ÷ size", "corner off ÷ size"]
-    other += ["closed", "pairs that meet"]
+    other = ["surface", "by", "least angle", "0.1 % below", "below 30°", "deviation ÷ size"]
+    other += ["corner off ÷ size", "crease off ÷ size", "topology kept", "crossings"]
     speeds, shapes = [], []
     for (name, kind, n), case in times(rows).items():
         if name != "remeshing" or OURS not in case:
@@ -29,8 +29,8 @@ def remeshing(rows: list[Row]) -> str:
             ])  # fmt: skip
             shapes.append([
                 f"{kind}, {short(n)}", peer, f"{row['min_angle']:.1f}°", f"{row['percentile']:.1f}°",
-                f"{row['deviation']:.4f}", f"{row['corners']:.2g}", "yes" if row["closed"] else "no",
-                str(row["crossings"]),
+                f"{100 * row['below_30']:.2g} %", f"{row['deviation']:.4f}", f"{row['corners']:.2g}",
+                f"{row['creases']:.2g}", "yes" if row["topology"] else "no", str(row["crossings"]),
             ])  # fmt: skip
     return grid(head, 1, speeds) + "\n\n" + grid(other, 2, shapes)
 

@@ -29,7 +29,8 @@ def here(monkeypatch: Any, module: Any) -> None:
 
 
 def test_a_tiny_run_of_surfaces(tmp_path: Path, monkeypatch: Any, capsys: Any) -> None:
-    for module, kind in ((surface_remeshing, "plate with holes"), (surface_intrinsic, "needles of a cylinder")):
+    plate, needles = (surface_remeshing, "plate with holes"), (surface_intrinsic, "needles of a cylinder")
+    for module, kind in (plate, needles):
         here(monkeypatch, module)
         monkeypatch.setitem(module.PLAN, next(iter(module.PLAN)), {kind: (500,)})
     monkeypatch.setattr(surface, "MESHERS", surface_remeshing.MESHERS + surface_intrinsic.MESHERS)
@@ -38,7 +39,7 @@ def test_a_tiny_run_of_surfaces(tmp_path: Path, monkeypatch: Any, capsys: Any) -
     made = {row["contestant"]: row for row in rows if row["work"] == "remeshing"}
     assert list(made) == ["unstruct", "surface_delaunay", "surface_front"]
     for row in made.values():
-        assert row["closed"] and row["crossings"] == 0 and row["corners"] == 0 and row["unrefined"] == 0
+        assert row["topology"] and row["crossings"] == 0 and row["corners"] == 0 and row["unrefined"] == 0
         assert row["deviation"] < 0.3 and row["min_angle"] > 15
     (flips,) = [row for row in rows if row["work"] == "intrinsic"]
     assert flips["illegal"] == 0 and flips["flips"] > 0 and flips["flip_seconds"] <= flips["seconds"]
@@ -58,7 +59,7 @@ def test_bad_meshes_are_surfaces_of_about_as_many_triangles_as_named(kind: str) 
 def test_losses_on_surfaces_are_bold() -> None:
     row: dict[str, Any] = {"measure": "time", "work": "remeshing", "kind": "torus", "n": 1000, "cells": 1000}
     row |= {"given": 9, "min_angle": 33.0, "percentile": 35.0, "deviation": 0.1, "corners": 0.0}
-    row |= {"closed": True, "crossings": 0}
+    row |= {"topology": True, "crossings": 0, "below_30": 0.0, "creases": 0.0}
     rows = [{**row, "contestant": "unstruct", "seconds": 1.0}]
     rows += [{**row, "contestant": "pymeshlab", "seconds": 0.5}]
     assert "| **0.50** |" in surface_report.remeshing(rows)

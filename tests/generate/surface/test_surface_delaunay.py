@@ -202,3 +202,5 @@ def test_errors():
         surface_delaunay(TETRA, -0.5)
     with pytest.raises(MeshError, match="flat"):
         surface_delaunay(Mesh([(0, 0, 0), (1, 1, 1), (2, 2, 2), (1, 0, 0)], [(0, 1, 2), (0, 3, 1)]))
+    with pytest.raises(MeshError, match="flat"):  # two corners at one place, as of marching cubes
+        surface_delaunay(Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 1, 0)], [(0, 1, 2), (1, 3, 2)]))

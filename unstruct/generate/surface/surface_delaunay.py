@@ -11,7 +11,7 @@ from ...base.arguments import DEFAULT_BUDGET, as_count, as_flag, as_number, fini
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.surface.criteria import SurfaceCriteria, surface_criteria
-from ...connect.surface.given import surface_rows
+from ...connect.surface.given import refuse_flat
 from ...domain.given_surface import USUAL_SHARP, GivenSurface, given_surface
 from ...geometry.embedded import embedded
 from ...geometry.support_features import same_points
@@ -105,7 +105,7 @@ def surface_delaunay(
     most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
     support = given.support
     merged = same_points(support.points)[support.triangles].astype(np.int32)
-    surface_rows(Mesh(support.points, merged))
+    refuse_flat(support.points, merged)
     if size is None and min_angle is None:
         return noticed(_flipped(given, merged, near, turn))
     field = None if size is None else as_size(size)
