@@ -1,14 +1,14 @@
 """The work ``remeshing`` of the suite ``surface``: surfaces remeshed to a size beside pymeshlab.
 
 *sphere*, *torus*, *implicit body* (what marching cubes of PyVista make of a level set, slivers and all) and
-*wavy sheet* (open, scattered points) are given as scans are: with triangles half as long as the size, or less.
-A size h leaves the triangles about h^2 k / 6 from a surface of curvature k: few sizes must be lowered to stay
-within a hundredth of them, but for the inner side of the torus. A *plate with holes* is given as CAD systems write
-it, triangles from hole to hole and needles along the walls, whose facets are about as wide as the size, or
-wider: the default admits more distance there; *within .01* asks for a hundredth of the size all the same. Its
+*wavy sheet* (open, scattered points) are given as scans are: with triangles half as long as the size, or
+less. A size h leaves the triangles about h^2 k / 6 from a surface of curvature k: few sizes must be lowered
+to stay within a hundredth of them, but for the torus. A *plate with holes* is given as CAD systems write it,
+triangles from hole to hole and needles along the walls, whose facets are about as wide as the size, or wider:
+the default admits more distance there; *within .01* asks for a hundredth of the size all the same. Its
 creases are to be kept. pymeshlab remeshes in ten rounds, with the same angle of creases, and moves its points
-back onto the given surface. Our time has the distances, the exact test for crossings and all other accounts in
-it.
+back onto the given surface. Our time has the distances, the exact test for crossings and all other accounts
+in it.
 
 Distances are measured for both alike, at samples, both ways, in sizes. ``corners`` is how far a corner of the
 creases is from the nearest vertex, ``creases`` how far a place on them is from the nearest edge.
