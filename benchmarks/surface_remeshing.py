@@ -5,13 +5,13 @@ fewer triangles than are given; and the front on a surface.
 
 *sphere*, *torus*, *implicit body* (what marching cubes of PyVista make of a level set, slivers and all) and
 *wavy sheet* (open, scattered points) are given as scans are: with triangles half as long as the size, or
-less. Their curvature is such that few sizes must be lowered to stay within a hundredth of it: a size h leaves
-the triangles about h^2 k / 6 from a surface of curvature k. A *plate with holes* is given as CAD systems
-write it, triangles from hole to hole and needles along the walls, whose facets are about as wide as the size,
-or wider: the default admits more distance there; *within .01* asks for a hundredth of the size all the same.
-Its creases are to be kept. pymeshlab remeshes in ten rounds, with the same angle of creases, and moves its
-points back onto the given surface. Our time has the distances, the exact test for crossings and all other
-accounts in it.
+less. A size h leaves the triangles about h^2 k / 6 from a surface of curvature k: few sizes must be lowered
+to stay within a hundredth of them, but for the torus. A *plate with holes* is given as CAD systems write it,
+triangles from hole to hole and needles along the walls, whose facets are about as wide as the size, or wider:
+the default admits more distance there; *within .01* asks for a hundredth of the size all the same. Its
+creases are to be kept. pymeshlab remeshes in ten rounds, with the same angle of creases, and moves its points
+back onto the given surface. Our time has the distances, the exact test for crossings and all other accounts
+in it.
 
 Distances are measured for both alike, at samples, both ways, in sizes. ``corners`` is how far a corner of the
 creases is from the nearest vertex, ``creases`` how far a place on them is from the nearest edge.
@@ -39,14 +39,14 @@ AREAS = {"sphere": 12.566, "torus": 15.791, "implicit body": 25.57, "wavy sheet"
 PLAN: dict[str, dict[str, tuple[int, ...]]] = {
     "remeshing": {
         "wavy sheet": (10_000,), "sphere": (40_000,), "torus": (40_000,), "implicit body": (40_000,),
-        PLATE: (10_000, 40_000), NEAR_PLATE: (10_000,),
+        PLATE: (10_000,), NEAR_PLATE: (10_000,),
     }
 }  # fmt: skip
 __all__ = ["MESHERS", "PLAN", "Rough", "measures", "task", "warm_up"]
 
 
 class Rough(NamedTuple):
-    """A task: a surface of any triangles, the wanted length of edges, the distance allowed (or None)."""
+    """A task: a surface of any triangles, the wanted length, the distance allowed (None: default)."""
 
     points: NDArray[np.float64]
     triangles: NDArray[np.int32]
@@ -183,7 +183,7 @@ def _character(triangles: NDArray) -> int:
 
 
 def measures(points: NDArray, triangles: NDArray, mesh: Any, work: str, given: Rough) -> dict[str, Any]:
-    """Angles, distances in sizes, and whether the result has the topology, crosses itself, has creases."""
+    """Angles, distances in sizes, topology, crossings, and whether the creases are there."""
     from scipy.spatial import KDTree
 
     from unstruct import Mesh

@@ -26,7 +26,7 @@ from .pinches import OFF_ULPS
 from .surface_curves import Curves, curves_held
 from .surface_names import names_held
 
-__all__ = ["check_surface"]
+__all__ = ["check_surface", "distance_away"]
 
 ROUNDED_OFF = OFF_ULPS * 2.0**-53  # in units of the largest coordinate
 MEASURED_AGAIN = 1e-9  # part by which a distance that is measured again may differ by rounding
@@ -110,9 +110,29 @@ def _distinct(mesh: Mesh, rows: NDArray[np.int64], report: Report) -> bool:
     )
 
 
+def distance_away(support: Support, x: np.ndarray) -> np.ndarray:
+    """How far points are from the surface, but for rounding.
+
+    The weights of a place in a needle are rounded badly: by as many units as it is longer than wide. So what
+    is left between a point and its place is resolved in the triangle once more; the better place counts.
+    """
+    triangle, weights, place = support.nearest(x)
+    rest, corner = x - place, support.points[support.triangles[triangle]]
+    u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    n = np.cross(u, v)
+    square = (n * n).sum(axis=1)
+    square[square == 0.0] = np.inf
+    one = (n * np.cross(rest, v)).sum(axis=1) / square
+    two = (n * np.cross(u, rest)).sum(axis=1) / square
+    better = np.maximum(weights + np.column_stack([-one - two, one, two]), 0.0)
+    better /= better.sum(axis=1)[:, None]
+    again = x - corner[:, 0] - better[:, 1:2] * u - better[:, 2:3] * v
+    return np.sqrt(np.minimum((rest * rest).sum(axis=1), (again * again).sum(axis=1)))
+
+
 def _on_surface(mesh: Mesh, support: Support, off: float, exact: bool, report: Report) -> None:
     used = np.unique(mesh.simplices)
-    away = np.sqrt(((support.nearest(mesh.points[used])[2] - mesh.points[used]) ** 2).sum(axis=1))
+    away = distance_away(support, mesh.points[used])
     wrong = problem("off the surface", "vertices that are not on it", vertices=used[away > off])
     moved = None
     if isinstance(mesh, DomainMesh):

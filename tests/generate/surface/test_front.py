@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from interrupts import interrupt
 
 from unstruct import Domain, IncompleteWarning, Mesh, check, examples
 from unstruct.domain.given_surface import given_surface
@@ -230,3 +231,8 @@ def test_wrong_arguments() -> None:
         with pytest.raises(InputError):
             call()
     assert isinstance(surface_front(ball, 0.5), DomainMesh)
+
+
+def test_an_interrupt_is_heard_within_the_march(monkeypatch: pytest.MonkeyPatch) -> None:
+    work = lambda: surface_front(Domain.ball(size=0.1), 0.02, improve=False, progress=True)  # noqa: E731
+    assert max(interrupt(monkeypatch, work, "triangles")) <= 20_000

@@ -9,12 +9,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from interrupts import interrupt
 from scipy.spatial import KDTree
 
 import unstruct
 from unstruct import Domain, DomainMesh, Mesh
+from unstruct.assess.surface import distance_away
 from unstruct.errors import IncompleteWarning, InputError
 from unstruct.generate.surface.remesh import remesh
+from unstruct.geometry.support import Support
 
 
 def cylinder(n: int, length: float = 3.0) -> Mesh:
@@ -342,3 +345,22 @@ def test_what_is_no_surface() -> None:
         remesh(Domain.box(), -1.0)
     with pytest.raises(InputError, match="onto"):
         remesh(Domain.box(), 1.0, onto=3)
+
+
+def test_an_interrupt_is_heard_after_a_round(monkeypatch: pytest.MonkeyPatch) -> None:
+    body = Domain.ball(size=0.1)
+    interrupt(monkeypatch, lambda: remesh(body, 0.05, progress=True), "rounds")
+
+
+def test_vertices_in_needles_lie_on_the_surface() -> None:
+    """Places in a fan of needles were measured 1e-13 off, by the rounding of weights in them alone."""
+    angle = 2 * np.pi * np.arange(1000) / 1000
+    ring = np.column_stack([np.cos(angle), np.sin(angle), np.full(1000, 3.0)])
+    fan = Mesh(ring, [[0, i, i + 1] for i in range(1, 999)])
+    x = 0.9 * np.random.default_rng(3).uniform(-0.7, 0.7, (2000, 3))
+    x[:, 2] = 3.0
+    support = Support(fan.points, fan.simplices)
+    assert np.abs(support.nearest(x)[2] - x).max() > 1e-14, "as it is measured at first"
+    assert distance_away(support, x).max() < 64 * 3.0 * 2.0**-53
+    x[:, 2] += 1e-12
+    assert np.abs(distance_away(support, x) - (x[:, 2] - 3.0)).max() < 2e-15

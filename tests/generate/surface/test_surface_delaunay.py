@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from interrupts import interrupt
 from surface_shapes import bipyramid, cylinder, icosphere, random_surface, saddle, torus
 
 from unstruct.assess.check import check
@@ -204,3 +205,7 @@ def test_errors():
         surface_delaunay(Mesh([(0, 0, 0), (1, 1, 1), (2, 2, 2), (1, 0, 0)], [(0, 1, 2), (0, 3, 1)]))
     with pytest.raises(MeshError, match="flat"):  # two corners at one place, as of marching cubes
         surface_delaunay(Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 1, 0)], [(0, 1, 2), (1, 3, 2)]))
+
+
+def test_an_interrupt_is_heard_between_operations(monkeypatch):
+    interrupt(monkeypatch, lambda: surface_delaunay(icosphere(2), 0.05, progress=True), "")

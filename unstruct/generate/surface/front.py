@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...base.arguments import DEFAULT_BUDGET, as_count, as_flag, finite
 from ...base.errors import IncompleteWarning, InputError
+from ...base.progress import progress_bar
 from ...domain.given_surface import USUAL_SHARP, GivenSurface, directed, given_surface
 from ...geometry.embedded import flat_rows
 from ...geometry.support import Support
@@ -49,6 +50,7 @@ def surface_front(
     sharp: float = USUAL_SHARP,
     improve: bool = True,
     budget: int = DEFAULT_BUDGET,
+    progress: bool = False,
 ) -> DomainMesh:
     """Cover a surface with triangles of a wanted size by an advancing front.
 
@@ -67,6 +69,8 @@ def surface_front(
         Whether edges are flipped and vertices moved along the surface when the front has closed.
     budget : int
         The largest number of vertices.
+    progress : bool
+        Show a progress bar.
 
     Returns
     -------
@@ -103,7 +107,8 @@ def surface_front(
     support = given.support
     why, counts = "", {}
     for attempt, (share, turn) in enumerate(ATTEMPTS):
-        front = marched(support, field, share, turn, budget)
+        with progress_bar(progress, " triangles") as bar:
+            front = marched(support, field, (share, turn), budget, bar)
         counts = front.counts | {"attempts": attempt + 1}
         why = front.why or _fault(support, front)
         if not why:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from .front_work import (
     BY_POINT,
     BY_SEARCH,
     FRONT_FULL,
+    FRONT_PAUSED,
     FRONT_STUCK,
     LATER_AGAIN,
     FrontChoices,
@@ -38,6 +39,7 @@ from .front_work import (
 __all__ = ["MarchedFront", "marched"]
 
 Array = NDArray[np.float64]
+MARCH_STEPS = 10_000  # in one call: Ctrl-C has a chance between
 TRIED_STARTS = 12  # vertices of a component without curves at which a first triangle is tried
 SPARE_ROOM = 1.6  # times the number of vertices that areas and sizes let expect
 BOX_BEYOND = 1e-3  # by how much the box of the size table is larger than the surface
@@ -78,8 +80,14 @@ class MarchedFront(NamedTuple):
     full: bool
 
 
-def marched(support: Support, size: SizeField, share: float, turn: float, budget: int) -> MarchedFront:
-    """March over the surface, with ``share`` of the wanted lengths, turning by up to ``turn`` within each."""
+def marched(
+    support: Support, size: SizeField, choice: tuple[float, float], budget: int, bar: Any
+) -> MarchedFront:
+    """March over the surface.
+
+    With a share of the wanted lengths, the first part of ``choice``, turning within each by up to the second.
+    """
+    share, turn = choice
     xyz, own = support.points * support.factor, support.held.rows
     part = parts_of(own, len(xyz))
     cap = caps_of(support, part, turn)
@@ -88,7 +96,13 @@ def marched(support: Support, size: SizeField, share: float, turn: float, budget
     room = min(_expected(support, size, share, cap) + 2 * len(curves.points) + 64, budget + 8)
     while True:
         run, sides, why = _begun(support, curves, part, choices._replace(most=room), levels)
-        status = advance(run, np.empty(len(run.front.stamp), dtype=np.int64))
+        later, march, shown = np.empty(len(run.front.stamp), dtype=np.int64), np.zeros(3, dtype=np.int64), 0
+        status = FRONT_PAUSED
+        while status == FRONT_PAUSED:
+            status = advance(run, later, march, MARCH_STEPS)
+            made = int(run.front.state[FRONT_TRIANGLES])
+            bar.update(made - shown)
+            shown = made
         if status != FRONT_FULL or room > budget:
             break
         room = min(2 * room, budget + 8)

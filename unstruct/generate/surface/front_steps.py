@@ -36,6 +36,7 @@ from .front_work import (
     BY_SEARCH,
     FRONT_CLOSED,
     FRONT_FULL,
+    FRONT_PAUSED,
     FRONT_STUCK,
     LATER_AGAIN,
     between,
@@ -256,10 +257,14 @@ def _step(run, e):
 
 
 @kernel
-def advance(run, later):
-    """Advance the front until it is empty, or stuck, or there is no room; ``later`` is scratch for edges."""
-    front, waits, made, rounds = run.front, 0, 0, 0
-    while True:
+def advance(run, later, march, steps):
+    """Advance the front until it is empty, or stuck, or there is no room, or after so many steps.
+
+    ``later`` is scratch for edges. ``march`` (3,) is kept from call to call, and zero before the first: how
+    many edges wait in ``later``, what was made since they began to wait, and how often they were tried again.
+    """
+    front, waits, made, rounds = run.front, march[0], march[1], march[2]
+    for _ in range(steps):
         if run.many[0] == 0:
             if waits == 0:
                 return FRONT_CLOSED
@@ -288,6 +293,8 @@ def advance(run, later):
         else:
             later[waits] = e
             waits += 1
+    march[0], march[1], march[2] = waits, made, rounds
+    return FRONT_PAUSED
 
 
 @kernel

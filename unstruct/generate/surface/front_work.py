@@ -20,6 +20,7 @@ __all__ = [
     "BY_SEARCH",
     "FRONT_CLOSED",
     "FRONT_FULL",
+    "FRONT_PAUSED",
     "FRONT_STUCK",
     "LATER_AGAIN",
     "FrontChoices",
@@ -32,7 +33,7 @@ __all__ = [
 ]
 
 BY_CANDIDATE, BY_POINT, BY_SEARCH, LATER_AGAIN, SURFACE_FRONT_COUNTS = range(5)
-FRONT_CLOSED, FRONT_STUCK, FRONT_FULL = range(3)
+FRONT_CLOSED, FRONT_STUCK, FRONT_FULL, FRONT_PAUSED = range(4)
 CAP_RISE = 0.4  # by distance, of the largest lengths at vertices
 
 
