@@ -22,6 +22,7 @@ from ..geometry.support import Support
 from ..geometry.support_features import fans_at, same_points, side_groups, united
 from ..mesh.domain_mesh import DomainMesh
 from ..mesh.mesh import Mesh
+from ..predicates.batch import power_of_two
 from .pinches import OFF_ULPS
 from .surface_curves import Curves, curves_held
 from .surface_names import names_held
@@ -112,7 +113,8 @@ def _distinct(mesh: Mesh, rows: NDArray[np.int64], report: Report) -> bool:
 
 def _on_surface(mesh: Mesh, support: Support, off: float, exact: bool, report: Report) -> None:
     used = np.unique(mesh.simplices)
-    away = np.sqrt(((support.nearest(mesh.points[used])[2] - mesh.points[used]) ** 2).sum(axis=1))
+    away = (support.nearest(mesh.points[used])[2] - mesh.points[used]) * support.factor
+    away = np.sqrt((away * away).sum(axis=1)) / support.factor
     wrong = problem("off the surface", "vertices that are not on it", vertices=used[away > off])
     moved = None
     if isinstance(mesh, DomainMesh):
@@ -177,13 +179,15 @@ def _meets_itself(mesh: Mesh, support: Support, report: Report) -> None:
 def _places(mesh: Mesh, support: Support) -> Places:
     x = mesh.points[mesh.simplices]
     middle = x[:, 0] / 3 + x[:, 1] / 3 + x[:, 2] / 3
+    x = x * power_of_two(mesh.points)  # products of lengths are finite
     normals = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]) if len(x) else x[:, 0]
     length = np.sqrt((normals**2).sum(axis=1))[:, None]
     normals = normals / np.where(length > 0.0, length, 1.0)
     nearest = support.nearest(middle)[0]
     triangle, _, feet = support.nearest(middle, nearest, normals)
     faces = (support.normals[triangle] * normals).sum(axis=1) > 0.0
-    away = np.where(faces, np.sqrt(((feet - middle) ** 2).sum(axis=1)), np.inf)
+    away = np.where(faces, np.sqrt((((feet - middle) * support.factor) ** 2).sum(axis=1)), np.inf)
+    away = away / support.factor
     against = (support.normals[nearest] * normals).sum(axis=1) < 0.0
     return Places(triangle, away, nearest, against)
 

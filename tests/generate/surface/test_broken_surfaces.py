@@ -78,6 +78,27 @@ def test_what_was_turned_and_repeated_passes_the_check() -> None:
     assert not unstruct.check(broken, domain=surface)
 
 
+def test_the_front_takes_what_is_turned_and_repeated_as_remeshing_does() -> None:
+    """It took the edges of turned and repeated triangles for curves, where sheets branch."""
+    tetrahedron = [[0, 2, 1], [0, 1, 3], [3, 2, 1], [0, 3, 2], [1, 0, 2]]
+    points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    surface = Mesh(points, tetrahedron, markers={"region": np.ones(5, dtype=int)}, regions={"rock": 1})
+    mesh = surface_front(surface, 0.3)
+    assert mesh.counts["turned triangles"] == mesh.counts["repeated triangles"] == 1
+    assert mesh.complete and unstruct.check(mesh, domain=surface) and mesh.regions == {"rock": 1}
+
+
+@pytest.mark.parametrize("scale", [1e160, 1e-160])
+def test_a_front_on_coordinates_whose_squares_no_double_can_hold(scale: float) -> None:
+    """Normals were products of lengths and not finite, in the front and in check."""
+    surface = box(scale, scale, scale)
+    mesh = surface_front(surface, 0.4 * scale)
+    assert mesh.complete and unstruct.check(mesh, domain=surface)
+    moved = mesh.points.copy()
+    moved[0] += 0.1 * scale
+    assert not unstruct.check(Mesh(moved, mesh.simplices), domain=surface)
+
+
 def test_coordinates_that_are_rounded_more_than_the_usual_deviation() -> None:
     """It split everything, because rounded vertices are farther away than a hundredth of the size."""
     tetrahedron = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
