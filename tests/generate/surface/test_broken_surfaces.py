@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import unstruct
 from unstruct import Mesh, remesh
 from unstruct.errors import InputError
+from unstruct.generate.surface import front_march
 from unstruct.generate.surface.front import surface_front
 
 
@@ -127,3 +130,22 @@ def test_a_surface_that_crosses_itself_is_not_split_without_end() -> None:
     """Beside edges of more than two triangles, which stay, it split others without end where sizes fell."""
     mesh = remesh(bottle(), 0.4)
     assert mesh.size < 100_000 and any("crosses" in reason for reason in mesh.reasons)
+
+
+def test_a_size_that_jumps_is_put_into_a_table_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The table, which is fine all along the jump, was made anew for each attempt: most of the time."""
+    made: list[int] = []
+    table = front_march.space_nodes
+
+    def counted(*arguments: Any) -> Any:
+        made.append(1)
+        return table(*arguments)
+
+    monkeypatch.setattr(front_march, "space_nodes", counted)
+    x, y = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21), indexing="ij")
+    z = 0.1 * np.sin(6 * x) * np.cos(5 * y)
+    a = np.arange(21 * 20).reshape(20, 21)[:, :-1].ravel()
+    rows = np.vstack([np.column_stack([a, a + 21, a + 22]), np.column_stack([a, a + 22, a + 1])])
+    surface = Mesh(np.column_stack([x.ravel(), y.ravel(), z.ravel()]), rows)
+    mesh = surface_front(surface, lambda x: np.where(x[:, 0] < 0.5, 0.3, 0.015))
+    assert len(made) == 1 and unstruct.check(mesh, domain=surface)

@@ -18,7 +18,7 @@ from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.field import SizeField, as_size
 from .cleaning import cleaned
 from .front_finish import made_rounder
-from .front_march import MarchedFront, marched
+from .front_march import MarchedFront, marched, surface_sizes
 from .front_sound import fault_of_front, meets_itself
 from .remesh import remesh
 
@@ -107,8 +107,9 @@ def surface_front(
     given = directed(given_surface(clean.surface, sharp if sharp < 180.0 else None))
     support = given.support
     why, counts = "", {}
-    for attempt, (share, turn) in enumerate(ATTEMPTS):
-        front = marched(support, field, share, turn, budget)
+    nodes = surface_sizes(support, field)
+    for attempt, tried in enumerate(ATTEMPTS):
+        front = marched(support, field, nodes, tried, budget)
         counts = front.counts | {"attempts": attempt + 1} | clean.counts
         why = front.why or _fault(support, front)
         if not why:
