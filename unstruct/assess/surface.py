@@ -22,11 +22,12 @@ from ..geometry.support import Support
 from ..geometry.support_features import fans_at, same_points, side_groups, united
 from ..mesh.domain_mesh import DomainMesh
 from ..mesh.mesh import Mesh
+from ..predicates.batch import power_of_two
 from .pinches import OFF_ULPS
 from .surface_curves import Curves, curves_held
 from .surface_names import names_held
 
-__all__ = ["check_surface", "distance_away"]
+__all__ = ["check_surface"]
 
 ROUNDED_OFF = OFF_ULPS * 2.0**-53  # in units of the largest coordinate
 MEASURED_AGAIN = 1e-9  # part by which a distance that is measured again may differ by rounding
@@ -110,29 +111,10 @@ def _distinct(mesh: Mesh, rows: NDArray[np.int64], report: Report) -> bool:
     )
 
 
-def distance_away(support: Support, x: np.ndarray) -> np.ndarray:
-    """How far points are from the surface, but for rounding.
-
-    The weights of a place in a needle are rounded badly: by as many units as it is longer than wide. So what
-    is left between a point and its place is resolved in the triangle once more; the better place counts.
-    """
-    triangle, weights, place = support.nearest(x)
-    rest, corner = x - place, support.points[support.triangles[triangle]]
-    u, v = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    n = np.cross(u, v)
-    square = (n * n).sum(axis=1)
-    square[square == 0.0] = np.inf
-    one = (n * np.cross(rest, v)).sum(axis=1) / square
-    two = (n * np.cross(u, rest)).sum(axis=1) / square
-    better = np.maximum(weights + np.column_stack([-one - two, one, two]), 0.0)
-    better /= better.sum(axis=1)[:, None]
-    again = x - corner[:, 0] - better[:, 1:2] * u - better[:, 2:3] * v
-    return np.sqrt(np.minimum((rest * rest).sum(axis=1), (again * again).sum(axis=1)))
-
-
 def _on_surface(mesh: Mesh, support: Support, off: float, exact: bool, report: Report) -> None:
     used = np.unique(mesh.simplices)
-    away = distance_away(support, mesh.points[used])
+    away = (support.nearest(mesh.points[used])[2] - mesh.points[used]) * support.factor
+    away = np.sqrt((away * away).sum(axis=1)) / support.factor
     wrong = problem("off the surface", "vertices that are not on it", vertices=used[away > off])
     moved = None
     if isinstance(mesh, DomainMesh):
@@ -197,13 +179,15 @@ def _meets_itself(mesh: Mesh, support: Support, report: Report) -> None:
 def _places(mesh: Mesh, support: Support) -> Places:
     x = mesh.points[mesh.simplices]
     middle = x[:, 0] / 3 + x[:, 1] / 3 + x[:, 2] / 3
+    x = x * power_of_two(mesh.points)  # products of lengths are finite
     normals = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0]) if len(x) else x[:, 0]
     length = np.sqrt((normals**2).sum(axis=1))[:, None]
     normals = normals / np.where(length > 0.0, length, 1.0)
     nearest = support.nearest(middle)[0]
     triangle, _, feet = support.nearest(middle, nearest, normals)
     faces = (support.normals[triangle] * normals).sum(axis=1) > 0.0
-    away = np.where(faces, np.sqrt(((feet - middle) ** 2).sum(axis=1)), np.inf)
+    away = np.where(faces, np.sqrt((((feet - middle) * support.factor) ** 2).sum(axis=1)), np.inf)
+    away = away / support.factor
     against = (support.normals[nearest] * normals).sum(axis=1) < 0.0
     return Places(triangle, away, nearest, against)
 

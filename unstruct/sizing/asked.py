@@ -22,13 +22,14 @@ from ..mesh.mesh import Mesh
 from .field import SizeField, as_size
 from .metric import Metric
 
-__all__ = ["MISSED_SIZE", "MUCH_LONGER", "asked_again", "too_large"]
+__all__ = ["COARSE_BOUNDARY", "MISSED_SIZE", "MUCH_LONGER", "asked_again", "too_large"]
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 MUCH_LONGER = 2.5  # edges more times as long as wanted miss the size
 TRIES = 2  # how often a mesh is made again with the places where it missed the size
 MISSED_SIZE = "large: asked once more, the size in it is much less than its edges"
+COARSE_BOUNDARY = "; near a coarse boundary remesh that first, or give split_boundary=True"
 
 
 class TooLarge(NamedTuple):

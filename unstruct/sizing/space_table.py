@@ -154,8 +154,14 @@ def space_nodes(field: Callable[[Array], Array], box: Array, factor: float, land
 
 def _sampled(field: Callable[[Array], Array], x: Array) -> Array:
     """The field at many places, asked only once where several are equal."""
-    rows, inverse = np.unique(x.reshape(-1, 3), axis=0, return_inverse=True)
-    return field(rows)[inverse.ravel()].reshape(x.shape[:-1])
+    flat = x.reshape(-1, 3)
+    order = np.lexsort(flat.T[::-1])
+    rows = flat[order]
+    new = np.ones(len(rows), dtype=bool)
+    new[1:] = (rows[1:] != rows[:-1]).any(axis=1)
+    found = np.empty(len(rows))
+    found[order] = field(rows[new])[np.cumsum(new) - 1]
+    return found.reshape(x.shape[:-1])
 
 
 def _see_landmarks(places: NDArray[np.int64], at: Array, marked: Array, found: tuple) -> None:

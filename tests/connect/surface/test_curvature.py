@@ -128,3 +128,20 @@ def test_errors():
     rows[0] = rows[0, ::-1]
     with pytest.raises(MeshError, match="opposite directions"):
         curvature(Mesh(icosphere(0).points, rows))
+
+
+def test_triangles_of_a_file_of_stl():
+    """Each triangle has corners of its own, so all values were nan without a word."""
+    mesh = icosphere(1)
+    soup = Mesh(mesh.points[mesh.simplices].reshape(-1, 3), np.arange(3 * mesh.size).reshape(-1, 3))
+    with pytest.raises(MeshError, match="merge equal points"):
+        curvature(soup)
+
+
+@pytest.mark.parametrize("scale", [1e170, 1e-170])
+@pytest.mark.filterwarnings("error")
+def test_coordinates_whose_squares_no_double_can_hold(scale):
+    mesh = icosphere(2)
+    found = curvature(Mesh(mesh.points * scale, mesh.simplices))
+    assert np.allclose(found.mean * scale, curvature(mesh).mean)
+    assert (found.areas == (np.inf if scale > 1.0 else 0.0)).all()

@@ -13,7 +13,7 @@ from solids import cube, torus, twisted_star
 from stuck_fronts import judged
 from voxels import voxels
 
-from unstruct import Domain, InputError, Mesh, UnstructError, check, delaunay, examples
+from unstruct import Domain, InputError, Mesh, UnstructError, advancing_front, check, delaunay, examples
 from unstruct.generate.bodies.dividing import divided
 from unstruct.generate.space_front.classical_open import new_space_front
 from unstruct.generate.space_front.classical_rest import completed, front_of_cells, rests_of
@@ -351,3 +351,12 @@ def test_arguments_of_the_domain() -> None:
         classical_in_space(Domain.rectangle(), 0.5)
     with pytest.raises(InputError, match="positive"):
         classical_in_space(Domain.box([0, 0, 0], [1, 1, 1]), -1.0)
+
+
+@pytest.mark.parametrize("method", ["classical", "delaunay"])
+@pytest.mark.parametrize("finish", [True, False])
+def test_facets_that_stay_are_told_where_they_are_coarse(method: str, finish: bool) -> None:
+    """Edges of seven times a constant size were said to be complete by the classical method."""
+    mesh = advancing_front(Domain.box(), 0.2, method=method, split_boundary=False, finish=finish)
+    assert not mesh.complete and check(mesh) and len(mesh.unrefined) == mesh.size
+    assert all("split_boundary=True" in reason for reason in mesh.reasons)

@@ -313,7 +313,7 @@ def test_a_placement_of_the_caller() -> None:
         ({"order": "fastest"}, "order"), ({"placement": "circle"}, "placement"), ({"size": -1.0}, "size"),
         ({"split_boundary": "inner"}, "split_boundary"), ({"split_boundary": 3}, "split_boundary"),
         ({"method": "quick"}, "method"), ({"budget": -1}, "budget"), ({"finish": 2}, "finish"),
-        ({"size": sizing.directional([1.0, 0.0], 0.1, 0.3)}, "size"),
+        ({"size": sizing.directional([1.0, 0.0], 0.1, 0.3)}, "SpaceMetric"),
     ],
 )  # fmt: skip
 def test_wrong_options(options: dict[str, Any], text: str) -> None:

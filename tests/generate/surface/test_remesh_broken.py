@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import unstruct
 from unstruct import Mesh, remesh
 from unstruct.errors import InputError
+from unstruct.generate.surface import front_march
 from unstruct.generate.surface.front import surface_front
 
 
@@ -78,6 +81,27 @@ def test_what_was_turned_and_repeated_passes_the_check() -> None:
     assert not unstruct.check(broken, domain=surface)
 
 
+def test_the_front_takes_what_is_turned_and_repeated_as_remeshing_does() -> None:
+    """It took the edges of turned and repeated triangles for curves, where sheets branch."""
+    tetrahedron = [[0, 2, 1], [0, 1, 3], [3, 2, 1], [0, 3, 2], [1, 0, 2]]
+    points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+    surface = Mesh(points, tetrahedron, markers={"region": np.ones(5, dtype=int)}, regions={"rock": 1})
+    mesh = surface_front(surface, 0.3)
+    assert mesh.counts["turned triangles"] == mesh.counts["repeated triangles"] == 1
+    assert mesh.complete and unstruct.check(mesh, domain=surface) and mesh.regions == {"rock": 1}
+
+
+@pytest.mark.parametrize("scale", [1e160, 1e-160])
+def test_a_front_on_coordinates_whose_squares_no_double_can_hold(scale: float) -> None:
+    """Normals were products of lengths and not finite, in the front and in check."""
+    surface = box(scale, scale, scale)
+    mesh = surface_front(surface, 0.4 * scale)
+    assert mesh.complete and unstruct.check(mesh, domain=surface)
+    moved = mesh.points.copy()
+    moved[0] += 0.1 * scale
+    assert not unstruct.check(Mesh(moved, mesh.simplices), domain=surface)
+
+
 def test_coordinates_that_are_rounded_more_than_the_usual_deviation() -> None:
     """It split everything, because rounded vertices are farther away than a hundredth of the size."""
     tetrahedron = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
@@ -106,3 +130,22 @@ def test_a_surface_that_crosses_itself_is_not_split_without_end() -> None:
     """Beside edges of more than two triangles, which stay, it split others without end where sizes fell."""
     mesh = remesh(bottle(), 0.4)
     assert mesh.size < 100_000 and any("crosses" in reason for reason in mesh.reasons)
+
+
+def test_a_size_that_jumps_is_put_into_a_table_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The table, which is fine all along the jump, was made anew for each attempt: most of the time."""
+    made: list[int] = []
+    table = front_march.space_nodes
+
+    def counted(*arguments: Any) -> Any:
+        made.append(1)
+        return table(*arguments)
+
+    monkeypatch.setattr(front_march, "space_nodes", counted)
+    x, y = np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21), indexing="ij")
+    z = 0.1 * np.sin(6 * x) * np.cos(5 * y)
+    a = np.arange(21 * 20).reshape(20, 21)[:, :-1].ravel()
+    rows = np.vstack([np.column_stack([a, a + 21, a + 22]), np.column_stack([a, a + 22, a + 1])])
+    surface = Mesh(np.column_stack([x.ravel(), y.ravel(), z.ravel()]), rows)
+    mesh = surface_front(surface, lambda x: np.where(x[:, 0] < 0.5, 0.3, 0.015))
+    assert len(made) == 1 and unstruct.check(mesh, domain=surface)

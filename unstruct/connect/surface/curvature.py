@@ -30,7 +30,10 @@ Array = NDArray[np.float64]
 
 
 class Curvature(NamedTuple):
-    """Normals and curvatures of a surface at its vertices; nan at vertices that no triangle uses.
+    """Normals and curvatures of a surface at its vertices.
+
+    All are nan at vertices that no triangle uses. Principal curvatures and directions are nan, and at the
+    boundary so are the others, where fewer than five vertices are near or no quadric is determined by them.
 
     Attributes
     ----------
@@ -82,10 +85,12 @@ def curvature(surface: Any, *, weights: str = "angle") -> Curvature:
     InputError
         For another thing than triangles in space, and other weights.
     MeshError
-        For flat triangles, and for neighbors that are turned in opposite directions.
+        For flat triangles, for neighbors that are turned in opposite directions, and if triangles do not
+        share their vertices, as in a file of STL.
 
     Notes
     -----
+    Areas and squared curvatures that a double cannot hold, of coordinates beyond 1e150 or so, are inf or 0.
     `gaussian` times `areas` has the sum 2 pi times the Euler characteristic on a closed surface, up to
     rounding (Gauss and Bonnet), however coarse it is. Areas and the Laplacian are those of the intrinsic
     Delaunay triangulation: no weight is negative, and the values do not depend on bad triangles. Pointwise
@@ -107,6 +112,15 @@ def curvature(surface: Any, *, weights: str = "angle") -> Curvature:
             f"the triangles at edge {turned[0].tolist()} are turned in opposite directions ({len(turned)} "
             "such edges): reverse one of each such pair"
         )
+    if (
+        len(rows) > 1
+        and np.bincount(rows.ravel()).max() == 1
+        and len(np.unique(points, axis=0)) < len(points)
+    ):
+        raise MeshError(
+            "no two triangles share a vertex, but some have corners in the same place, as in a file of STL: "
+            "merge equal points first, as unstruct.remesh and Domain.surface do"
+        )
     found = IntrinsicTriangulation(surface)
     factor = found.factor
     xyz = points * factor
@@ -124,10 +138,9 @@ def curvature(surface: Any, *, weights: str = "angle") -> Curvature:
     principal, directions = fit_surfaces(xyz, normals, start, joined)
     gaussian[ends] = principal[ends, 0] * principal[ends, 1]
     mean[ends] = (principal[ends, 0] + principal[ends, 1]) / 2.0
-    return Curvature(
-        normals, gaussian * factor * factor, mean * factor, principal * factor, directions,
-        areas / factor / factor, ends,
-    )  # fmt: skip
+    with np.errstate(over="ignore", under="ignore"):
+        gaussian, areas = gaussian * factor * factor, areas / factor / factor
+    return Curvature(normals, gaussian, mean * factor, principal * factor, directions, areas, ends)
 
 
 def _triangles(xyz: Array, rows: NDArray[np.int32]) -> tuple[Array, Array, Array]:

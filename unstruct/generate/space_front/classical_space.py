@@ -11,7 +11,7 @@ from ...base.errors import InputError
 from ...domain.domain import Domain, as_domain
 from ...domain.space.by_part import size_by_part
 from ...mesh.domain_mesh import DomainMesh
-from ...sizing.asked import asked_again
+from ...sizing.asked import COARSE_BOUNDARY, asked_again
 from ...sizing.field import SizeField, as_size
 from ...sizing.metric import Metric
 from ..bodies.dividing import divided
@@ -20,6 +20,7 @@ from ..volume.improving import improve
 from .classical_mesh import mesh_of_body, quality_in_space
 from .classical_rest import completed
 from .classical_run import BODY_ORDERS, BODY_SEARCHES, body_faces, marched_in_space
+from .in_space import NO_ROOM_FOR_POINT, larger_cells
 
 __all__ = ["classical_in_space"]
 
@@ -120,10 +121,19 @@ def classical_in_space(
     options: dict[str, Any] = {"order": order, "search": search, "history": history, "progress": progress}
 
     def made(field: SizeField) -> DomainMesh:
-        return _made(domain, field, split_boundary, most, seed, options)
+        mesh = _made(domain, field, split_boundary, most, seed, options)
+        return _finished(mesh, seed, progress) if finish and not (mesh.reasons == "budget").any() else mesh
 
-    mesh = asked_again(made, as_size(size_by_part(domain, size)), again=False)
-    return _finished(mesh, seed, progress) if finish else mesh
+    field = as_size(size_by_part(domain, size))
+    mesh = asked_again(made, field, again=False)
+    # Of constant sizes only this tells, because asking again would not help: facets that stay may be coarse.
+    why = NO_ROOM_FOR_POINT if split_boundary else NO_ROOM_FOR_POINT + COARSE_BOUNDARY
+    listed = dict.fromkeys(larger_cells(mesh, field).tolist(), why)
+    listed |= dict(zip(mesh.unrefined.tolist(), mesh.reasons.tolist()))
+    mesh.unrefined = np.array(sorted(listed), dtype=np.int32)
+    mesh.reasons = np.array([listed[cell] for cell in sorted(listed)], dtype=str)
+    mesh.complete = not listed
+    return mesh
 
 
 def _made(

@@ -13,7 +13,7 @@ from ...base.progress import progress_bar
 from ...domain.domain import Domain
 from ...domain.space.by_part import size_by_part
 from ...mesh.domain_mesh import DomainMesh
-from ...sizing.asked import MUCH_LONGER, asked_again
+from ...sizing.asked import COARSE_BOUNDARY, MUCH_LONGER, asked_again
 from ...sizing.field import SizeField, as_size
 from ..bodies.dividing import divided
 from ..bodies.tetrahedralize import as_parts
@@ -24,7 +24,7 @@ from ..volume_points.limits import make_body_limits, points_allowed
 from ..volume_points.run import recovered
 from .run import SPACE_ORDERS, SPACE_PLACEMENTS, SpaceFrontRun, SpacePlacement
 
-__all__ = ["space_front"]
+__all__ = ["NO_ROOM_FOR_POINT", "larger_cells", "space_front"]
 
 NO_ROOM_FOR_POINT = "too large: no room for a point"
 EDGES_OF_CELL = ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))
@@ -57,7 +57,7 @@ def space_front(
 
     def made(field: SizeField) -> DomainMesh:
         mesh, done = _made(domain, field if sizes is None else sizes, field, split_boundary, most, choices)
-        return _finished(mesh, field, finish, progress) if done else mesh
+        return _finished(mesh, field, finish, progress, bool(split_boundary)) if done else mesh
 
     return asked_again(made, field)
 
@@ -88,16 +88,17 @@ def _made(
     return mesh if cut is None else as_parts(domain, cut, mesh), done
 
 
-def _finished(mesh: DomainMesh, field: SizeField, finish: bool, progress: bool) -> DomainMesh:
+def _finished(mesh: DomainMesh, field: SizeField, finish: bool, progress: bool, cut: bool) -> DomainMesh:
     """The mesh after the finishing pass if it is wanted, with what is too large."""
     better = improve(mesh, progress=progress) if finish else mesh
-    large = _too_large(better, field)
-    better.unrefined, better.reasons = large, np.full(len(large), NO_ROOM_FOR_POINT)
+    large = larger_cells(better, field)
+    why = NO_ROOM_FOR_POINT if cut else NO_ROOM_FOR_POINT + COARSE_BOUNDARY
+    better.unrefined, better.reasons = large, np.full(len(large), why)
     better.complete, better.steps = len(large) == 0, mesh.steps
     return better
 
 
-def _too_large(mesh: DomainMesh, field: SizeField) -> NDArray[np.int32]:
+def larger_cells(mesh: DomainMesh, field: SizeField) -> NDArray[np.int32]:
     """The cells with an edge that is much longer than wanted at the barycenter."""
     corners = mesh.points[mesh.simplices]
     wanted = field(corners.mean(axis=1))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,8 +17,9 @@ from ...geometry.embedded import flat_rows
 from ...geometry.support import Support
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...sizing.field import SizeField, as_size
+from .cleaning import cleaned
 from .front_finish import made_rounder
-from .front_march import MarchedFront, marched
+from .front_march import MarchedFront, marched, surface_sizes
 from .front_sound import fault_of_front, meets_itself
 from .remesh import remesh
 
@@ -75,11 +77,13 @@ def surface_front(
     Returns
     -------
     DomainMesh
-        Triangles, turned as those of the surface; the facets of a body face outward. ``origin`` has the
-        vertices of the surface that were kept, ``markers`` the names. ``counts`` tells how triangles were
-        found: "candidate" with a vertex near the ideal point, "point" with a new vertex, "search" with one
-        farther away, "again" edges that had to wait; "attempts". ``figures`` has "sharp", and the
-        "deviation", the largest distance of the mesh and the surface from each other at samples.
+        Triangles, turned as those of the surface, all of a part as its first one; the facets of a body face
+        outward. ``origin`` has the vertices of the surface that were kept, ``markers`` the names. ``counts``
+        tells how triangles were found: "candidate" with a vertex near the ideal point, "point" with a new
+        vertex, "search" with one farther away, "again" edges that had to wait; "attempts"; and what was wrong
+        with the triangles of a given mesh, as in `remesh`: "equal points", "degenerate triangles", "repeated
+        triangles", "turned triangles". ``figures`` has "sharp", and the "deviation", the largest distance of
+        the mesh and the surface from each other at samples.
 
     Raises
     ------
@@ -103,25 +107,29 @@ def surface_front(
     field, budget, improve = as_size(size), as_count(budget, "budget"), as_flag(improve, "improve")
     if not 0.0 < finite(sharp, "sharp") <= 180.0:
         raise InputError(f"sharp must be an angle up to 180 degrees, not {sharp!r}")
-    given = directed(given_surface(surface, sharp if sharp < 180.0 else None))
+    clean = cleaned(surface)
+    given = directed(given_surface(clean.surface, sharp if sharp < 180.0 else None))
     support = given.support
     why, counts = "", {}
-    for attempt, (share, turn) in enumerate(ATTEMPTS):
+    nodes = surface_sizes(support, field)
+    for attempt, tried in enumerate(ATTEMPTS):
         with progress_bar(progress, " triangles") as bar:
-            front = marched(support, field, (share, turn), budget, bar)
-        counts = front.counts | {"attempts": attempt + 1}
+            front = marched(support, field, nodes, tried, budget, bar)
+        counts = front.counts | {"attempts": attempt + 1} | clean.counts
         why = front.why or _fault(support, front)
         if not why:
             made = _finished(support, front, field, improve)
-            return noticed(_as_mesh(given, made, sharp, counts, LOWERED_SIZE if attempt else ""))
+            return noticed(
+                _as_mesh(given, made, (sharp, clean.regions), counts, LOWERED_SIZE if attempt else "")
+            )
         if front.full:
             break
     if not front.full:
-        other = _remeshed(surface, support, field, (sharp, budget), counts, why)
+        other = _remeshed(clean.surface, support, field, (sharp, budget), counts, why)
         if other is not None:
             return noticed(other)
     reason = BUDGET_SHORT if front.full else NOT_CLOSED.format(why)
-    return noticed(_as_mesh(given, _kept(support), sharp, counts, reason))
+    return noticed(_as_mesh(given, _kept(support), (sharp, clean.regions), counts, reason))
 
 
 def _fault(support: Support, front: MarchedFront) -> str:
@@ -170,6 +178,7 @@ def _remeshed(
         mesh.simplices,
         origin=mesh.origin,
         markers=mesh.markers,
+        regions=mesh.regions,
         unrefined=np.arange(mesh.size),
         reasons=np.full(mesh.size, REMESHED.format(why)),
         counts=counts,
@@ -195,12 +204,16 @@ def _kept(support: Support) -> MadeFront:
 
 
 def _as_mesh(
-    given: GivenSurface, made: MadeFront, sharp: float, counts: dict[str, int], reason: str
+    given: GivenSurface,
+    made: MadeFront,
+    told: tuple[float, Mapping[str, int]],
+    counts: dict[str, int],
+    reason: str,
 ) -> DomainMesh:
+    """The mesh with its names; ``told`` has the angle of creases and the numbers of named regions."""
     support, rows = given.support, made.rows.astype(np.int32)
-    points = made.points / support.factor
-    x = points[rows]
-    middle = x[:, 0] / 3 + x[:, 1] / 3 + x[:, 2] / 3
+    points, x = made.points / support.factor, made.points[rows]  # scaled: products of lengths are finite
+    middle = (x[:, 0] / 3 + x[:, 1] / 3 + x[:, 2] / 3) / support.factor
     normals = np.cross(x[:, 1] - x[:, 0], x[:, 2] - x[:, 0])
     triangle = support.nearest(middle, normals=normals)[0]
     markers = given.markers(rows, triangle) | _named_edges(given, made, points)
@@ -211,10 +224,11 @@ def _as_mesh(
         rows,
         origin=made.origin,
         markers=markers,
+        regions=told[1],
         unrefined=unrefined,
         reasons=np.full(len(unrefined), reason),
         counts=counts,
-        figures={"sharp": sharp, "deviation": max(there, back)},
+        figures={"sharp": told[0], "deviation": max(there, back)},
     )
 
 

@@ -36,7 +36,7 @@ from .front_work import (
     wanted_lengths,
 )
 
-__all__ = ["MarchedFront", "marched"]
+__all__ = ["MarchedFront", "marched", "surface_sizes"]
 
 Array = NDArray[np.float64]
 MARCH_STEPS = 10_000  # in one call: Ctrl-C has a chance between
@@ -81,17 +81,18 @@ class MarchedFront(NamedTuple):
 
 
 def marched(
-    support: Support, size: SizeField, choice: tuple[float, float], budget: int, bar: Any
+    support: Support, size: SizeField, nodes: SpaceNodes, tried: tuple[float, float], budget: int, bar: Any
 ) -> MarchedFront:
     """March over the surface.
 
-    With a share of the wanted lengths, the first part of ``choice``, turning within each by up to the second.
+    ``nodes`` is the table of sizes, and ``tried`` has the share of them that is wanted and the angle by which
+    the surface may turn within a length.
     """
-    share, turn = choice
+    share, turn = tried
     xyz, own = support.points * support.factor, support.held.rows
     part = parts_of(own, len(xyz))
     cap = caps_of(support, part, turn)
-    choices, levels = _sizes(support, size, share, cap)
+    choices, levels = _sizes(support, size, nodes, share, cap)
     curves = cut_curves(support, size, share, cap)
     room = min(_expected(support, size, share, cap) + 2 * len(curves.points) + 64, budget + 8)
     while True:
@@ -113,23 +114,27 @@ def marched(
     return _taken(run, curves, sides, support, why, status == FRONT_FULL)
 
 
-def _sizes(
-    support: Support, size: SizeField, share: float, cap: Array
-) -> tuple[FrontChoices, tuple[int, int]]:
-    """The record of sizes for kernels, and the lowest and highest octave of wanted lengths."""
-    factor = support.factor
+def surface_sizes(support: Support, size: SizeField) -> SpaceNodes:
+    """The table of a field over the surface: large where the field jumps, so all attempts share it."""
     low, high = support.points.min(axis=0), support.points.max(axis=0)
     if size.constant is not None:
-        constant = size.constant * factor * share
-        nodes = SpaceNodes(np.array([-1], dtype=np.int32), np.ones((1, 8)), np.concatenate([low, high]))
+        return SpaceNodes(np.array([-1], dtype=np.int32), np.ones((1, 8)), np.concatenate([low, high]))
+    width = float((high - low).max())
+    box = np.stack([low - BOX_BEYOND * width, low + (1.0 + BOX_BEYOND) * width])
+    marks = size.landmarks if size.landmarks.shape[1:] == (3,) else np.empty((0, 3))
+    marks = marks[((marks >= box[0]) & (marks <= box[1])).all(axis=1)]
+    return space_nodes(size, box, support.factor, marks)
+
+
+def _sizes(
+    support: Support, size: SizeField, nodes: SpaceNodes, share: float, cap: Array
+) -> tuple[FrontChoices, tuple[int, int]]:
+    """The record of sizes for kernels, and the lowest and highest octave of wanted lengths."""
+    if size.constant is not None:
+        constant = size.constant * support.factor * share
         lengths = np.array([constant])
     else:
-        constant, width = 0.0, float((high - low).max())
-        box = np.stack([low - BOX_BEYOND * width, low + (1.0 + BOX_BEYOND) * width])
-        marks = size.landmarks if size.landmarks.shape[1:] == (3,) else np.empty((0, 3))
-        marks = marks[((marks >= box[0]) & (marks <= box[1])).all(axis=1)]
-        nodes = space_nodes(size, box, factor, marks)
-        nodes = nodes._replace(values=nodes.values * share)
+        constant, nodes = 0.0, nodes._replace(values=nodes.values * share)
         lengths = nodes.values
     least = min(float(lengths.min()), float(cap.min()))
     levels = octave_of(least) - 1, octave_of(float(lengths.max())) + 1
