@@ -128,19 +128,21 @@ def is_behind_face(front: FrontInSpace, cell: Cell) -> bool:
 
 def is_holding(front: FrontInSpace, cell: Cell) -> bool:
     """Whether the closed tetrahedron holds another vertex of the front."""
-    return any(is_in(front, cell, front.points[v]) for v in front.vertices() - set(cell))
+    others = front.vertices() - set(cell)
+    return any(is_in(front, cell, front.points[v]) for v in others)
 
 
 def is_crossed(front: FrontInSpace, cell: Cell) -> bool:
-    """Whether a face of the front, or an inner segment, meets the tetrahedron where it should not."""
-    return any(is_overlapping(front, cell, one) for one in [*front.faces, *front.threads])
+    """Whether a face of the front, or an inner segment, is in the way of the cell."""
+    walls = [*front.faces, *front.threads]
+    return any(is_overlapping(front, cell, one) for one in walls)
 
 
 def is_overlapping(front: FrontInSpace, cell: Cell, other: Sequence[int]) -> bool:
-    """Whether a triangle or segment has more in common with a positive cell than common corners span.
+    """Whether a triangle or segment and a cell share more than common corners span.
 
-    It is cut off at the four sides of the cell. What is left is spanned by its corners, so it is more if one
-    of these is no common corner.
+    It is cut off at the four sides of the positive cell. What is left is spanned by its
+    corners, so it is more if one of these is no common corner.
     """
     left: list[Place] = [exact(front.points[v]) for v in other]
     for side in faces_of(cell):
@@ -210,7 +212,11 @@ def next_face(front: FrontInSpace, size: Size, key: Key) -> Face | None:
 
 
 def advance_in_space(
-    front: FrontInSpace, face: Face, size: Size, reach: float, tests: Mapping[str, Test]
+    front: FrontInSpace,
+    face: Face,
+    size: Size,
+    reach: float,
+    tests: Mapping[str, Test],
 ) -> Choice | None:
     """Make the cell on one face, and change the front; or put the face aside: None."""
     level, n = front.faces[face], len(front.points)
@@ -244,7 +250,7 @@ def put_aside(front: FrontInSpace, face: Face) -> None:
 
 
 def without_cell(front: FrontInSpace, cell: Cell) -> None:
-    """Change the front: the symmetric difference with the faces of a cell that is made."""
+    """The front after a cell: the symmetric difference with the faces of that."""
     for one in faces_of(cell):
         a, b, c = one
         if one in front.faces:

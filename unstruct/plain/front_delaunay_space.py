@@ -78,11 +78,12 @@ def front_delaunay_in_space(
 
 
 def apex_in_space(front: FrontInSpace, face: Face) -> int | None:
-    """The visible vertex ahead of a face whose sphere has no other visible one inside; None for none."""
+    """The visible vertex whose sphere has no other visible one inside; or None."""
     best = None
     for v in sorted(front.vertices() - set(face)):
-        if is_seen(front, face, v) and (best is None or is_first(front, face, v, best)):
-            best = v
+        if is_seen(front, face, v):
+            if best is None or is_first(front, face, v, best):
+                best = v
     return best
 
 

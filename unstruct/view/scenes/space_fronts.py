@@ -68,7 +68,7 @@ def space_front_frames(
         failed; they are crossed out in the picture. The star is a new point that is taken, the circle the
         sphere of the search about the barycenter of the face.
     """
-    seen = {"azimuth": azimuth, "elevation": elevation}
+    seen: dict[str, Any] = {"azimuth": azimuth, "elevation": elevation}
     have = [tuple(float(x) for x in p) for p in points]
     front = [tuple(int(v) for v in face) for face in first]
     start = np.array(have)
@@ -97,7 +97,7 @@ def _so_far(cells: Sequence[Any], front: Sequence[Any]) -> str:
 
 
 def _tried(
-    have: list[Any], front: list[Any], cells: list[list[int]], step: Choice, seen: dict[str, float]
+    have: list[Any], front: list[Any], cells: list[list[int]], step: Choice, seen: dict[str, Any]
 ) -> fr.Frame:
     """One step."""
     places = np.array([*have, step.ideal if step.ideal is not None else have[0]], dtype=float)
