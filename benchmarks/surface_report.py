@@ -15,7 +15,8 @@ __all__ = ["TABLES", "markdown", "plot", "remeshing"]
 def remeshing(rows: list[Row]) -> str:
     """A line for each surface and contestant; **bold** if a peer makes more triangles per second."""
     head = ["surface", "given triangles", "by", "triangles", "seconds", "1000 triangles/s", f"{OURS} ÷ it"]
-    head += ["least angle", "0.1 % below", "deviation ÷ size", "corner off ÷ size", "closed", "crossings"]
+    head += ["least angle", "0.1 % below", "below 30°", "deviation ÷ size", "corner off ÷ size"]
+    head += ["crease off ÷ size", "topology kept", "crossings"]
     lines = []
     for (name, kind, _), case in times(rows).items():
         if name != "remeshing" or OURS not in case:
@@ -24,8 +25,9 @@ def remeshing(rows: list[Row]) -> str:
             lines.append([
                 kind, str(row["given"]), peer, str(row["cells"]), figures(row["seconds"]),
                 figures(speed(row) / 1e3), "" if peer == OURS else relative(ratio(case, peer)),
-                f"{row['min_angle']:.1f}°", f"{row['percentile']:.1f}°", f"{row['deviation']:.4f}",
-                f"{row['corners']:.2g}", "yes" if row["closed"] else "no", str(row["crossings"]),
+                f"{row['min_angle']:.1f}°", f"{row['percentile']:.1f}°", f"{100 * row['below_30']:.2g} %",
+                f"{row['deviation']:.4f}", f"{row['corners']:.2g}", f"{row['creases']:.2g}",
+                "yes" if row["topology"] else "no", str(row["crossings"]),
             ])  # fmt: skip
     return grid(head, 1, lines)
 

@@ -1,10 +1,10 @@
 """Functions for studying the methods, which the chapters of the book need; applications do not.
 
 There are Baker's insertion with fixed cells, recovery of edges and in space what it did, insertion that
-breaks no boundary edge, points along the skeleton of a boundary, meshes of the torus, greedy terrain, a proof
-of the angles of `isosurface_stuffing`, what is Delaunay on a surface (criteria, intrinsic flips, restricted
-to it), an advancing front on a surface, and the steps by which `swap_diagonals` and `voronoi_segment` reach their results. This module only
-imports them.
+breaks no boundary edge, points along the skeleton of a boundary, meshes of the torus, greedy terrain, a
+proof of the angles of `isosurface_stuffing`, what is Delaunay on a surface (criteria, intrinsic flips,
+restricted to it), an advancing front on a surface, and the steps by which `swap_diagonals` and
+`voronoi_segment` reach their results. This module only imports them.
 """
 
 from .assess.statistics import angle_histogram as angle_histogram
@@ -42,13 +42,17 @@ from .geometry.segment_tree import SegmentTree as SegmentTree
 __all__ = [
     "CASES",
     "Baker",
+    "IntrinsicTriangulation",
+    "RestrictedDelaunay",
     "SegmentTree",
     "StuffingBounds",
+    "SurfaceCriteria",
     "Terrain",
     "angle_histogram",
     "boundary_facets",
     "cavities",
     "epsilon_chains",
+    "feature_sizes",
     "greedy_terrain",
     "grid_surface",
     "held_by",
@@ -61,6 +65,10 @@ __all__ = [
     "remove_outside",
     "replay",
     "replay_recovery",
+    "restricted_delaunay",
+    "sampling_density",
     "skeleton_points",
     "stuffing_bounds",
+    "surface_criteria",
+    "surface_front",
 ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from math import dist, hypot
 
 import numpy as np
@@ -43,7 +44,7 @@ def test_lengths_remain_when_the_ribbon_is_unrolled() -> None:
             )
     folded = [
         unstruct.simplex.volume(np.array([points[v] for v in set(s) | set(t)]))
-        for s, t in zip(triangles, triangles[1:])
+        for s, t in pairwise(triangles)
     ]
     assert min(abs(v) for v in folded) > 1e-3  # no two neighbors are in one plane
 
@@ -51,9 +52,13 @@ def test_lengths_remain_when_the_ribbon_is_unrolled() -> None:
 def test_the_flips_are_those_of_a_plane() -> None:
     points, triangles = ribbon()
     steps = ribbon_flips()
-    assert [(names(s["edge"]), names(s["new"])) for s in steps[:-1]] == [("DE", "CF"), ("CE", "BF"), ("DF", "CG")]
+    assert [(names(s["edge"]), names(s["new"])) for s in steps[:-1]] == [
+        ("DE", "CF"),
+        ("CE", "BF"),
+        ("DF", "CG"),
+    ]
     energies = [s["energy"] for s in steps]
-    assert all(p > q for p, q in zip(energies, energies[1:])) and min(s["angles"] for s in steps[:-1]) > 180
+    assert all(p > q for p, q in pairwise(energies)) and min(s["angles"] for s in steps[:-1]) > 180
     planar = unstruct.delaunay(np.array(unrolled(points, triangles)))
     edges = {(min(e), max(e)) for row in planar.simplices.tolist() for e in zip(row, [*row[1:], row[0]])}
     assert set(steps[-1]["edges"]) <= edges

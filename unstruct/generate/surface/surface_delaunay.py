@@ -71,10 +71,10 @@ def surface_delaunay(
         Triangles in space. ``origin``: the given vertex or -1. ``markers``: names of facets, values of cells,
         and names of edges. ``counts``: "flips", "inserted", and how many triangles fail which criterion ("not
         plane-centered", "not intrinsic" in edges). ``figures``: "deviation", the larger of the distances
-        measured both ways. ``unrefined`` lists, without new vertices, the triangles whose plane-centered
-        sphere has a vertex inside, with the reason: there need be no triangulation without them. With new
-        vertices it lists the triangles that are larger or sharper (on the surface) than wanted, or not as
-        near.
+        measured both ways, and "sharp" as given, 0 for None. ``unrefined`` lists, without new vertices, the
+        triangles whose plane-centered sphere has a vertex inside, with the reason: there need be no
+        triangulation without them. With new vertices it lists the triangles that are larger or sharper (on
+        the surface) than wanted, or not as near.
 
     Raises
     ------
@@ -100,18 +100,19 @@ def surface_delaunay(
     """
     given = given_surface(surface, None if sharp is None else finite(sharp, "sharp"))
     near = _checked(min_angle, deviation)
+    turn = 0.0 if sharp is None else float(sharp)
     as_flag(progress, "progress")
     most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
     support = given.support
     merged = same_points(support.points)[support.triangles].astype(np.int32)
     surface_rows(Mesh(support.points, merged))
     if size is None and min_angle is None:
-        return noticed(_flipped(given, merged, near))
+        return noticed(_flipped(given, merged, near, turn))
     field = None if size is None else as_size(size)
     angle = USUAL_LEAST_ANGLE if min_angle is None else float(min_angle)
     with progress_bar(progress, "", desc="vertices") as bar:
         run = IntrinsicRun(given, merged, field, angle, most, bar)
-        return noticed(_refined(run, near))
+        return noticed(_refined(run, near, turn))
 
 
 def _checked(min_angle: Any, deviation: Any) -> float | None:
@@ -127,7 +128,7 @@ def _checked(min_angle: Any, deviation: Any) -> float | None:
 # ---------------------------------------------------------------------- without new vertices
 
 
-def _flipped(given: GivenSurface, rows: NDArray[np.int32], near: float | None) -> DomainMesh:
+def _flipped(given: GivenSurface, rows: NDArray[np.int32], near: float | None, turn: float) -> DomainMesh:
     support = given.support
     xyz = support.points * support.factor
     rounding = FLAT_ENOUGH * float(np.abs(xyz).max(initial=0.0))
@@ -156,7 +157,7 @@ def _flipped(given: GivenSurface, rows: NDArray[np.int32], near: float | None) -
     return DomainMesh(
         points, triangles, origin=used.astype(np.int32), markers=markers, unrefined=bad, reasons=reasons,
         counts={"flips": found.flips, "inserted": 0} | _failures(criteria),
-        figures={"deviation": measured},
+        figures={"deviation": measured, "sharp": turn},
     )  # fmt: skip
 
 
@@ -191,7 +192,7 @@ def _why(criteria: SurfaceCriteria, kept: NDArray) -> tuple[NDArray[np.int32], l
 # ---------------------------------------------------------------------- with new vertices
 
 
-def _refined(run: IntrinsicRun, near: float | None) -> DomainMesh:
+def _refined(run: IntrinsicRun, near: float | None, turn: float) -> DomainMesh:
     """Refine, straighten, and halve edges until the straight triangles are right."""
     run.refine()
     straight, fault, measured = straightened(run), "", 0.0
@@ -212,11 +213,11 @@ def _refined(run: IntrinsicRun, near: float | None) -> DomainMesh:
         straight = straightened(run)
     if not fault and near is None:
         measured = max(run.given.support.deviation(straight.points, straight.triangles))
-    return _meshed(run, straight, fault, far, measured)
+    return _meshed(run, straight, fault, far, {"deviation": measured, "sharp": turn})
 
 
 def _meshed(
-    run: IntrinsicRun, straight: Straight, fault: str, far: NDArray[np.int64], measured: float
+    run: IntrinsicRun, straight: Straight, fault: str, far: NDArray[np.int64], figures: dict[str, float]
 ) -> DomainMesh:
     given, sides = run.given, run.found.sides
     markers = given.markers(straight.triangles, sides.label)
@@ -251,5 +252,5 @@ def _meshed(
             "inserted": int((straight.origin < 0).sum()),
             "repaired": run.repaired,
         },
-        figures={"deviation": measured},
+        figures=figures,
     )  # fmt: skip

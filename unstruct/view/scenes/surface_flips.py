@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees, sqrt
+from itertools import pairwise
+from math import degrees, dist, sqrt
 from typing import Any
 
 from ...plain import intrinsic_delaunay as plain
@@ -32,13 +33,13 @@ def ribbon() -> tuple[list[Point], list[tuple[int, int, int]]]:
 def unrolled(points: Sequence[Point], triangles: Sequence[Sequence[int]]) -> list[Flat]:
     """The corners in the plane: each triangle, known by its three sides, is laid beside the one before."""
     a, b, _ = triangles[0]
-    flat: dict[int, Flat] = {a: (0.0, 0.0), b: (plain.dist(points[a], points[b]), 0.0)}
+    flat: dict[int, Flat] = {a: (0.0, 0.0), b: (dist(points[a], points[b]), 0.0)}
     for row in triangles:
         for k in range(3):
             u, v, w = row[k], row[k - 2], row[k - 1]
             if w not in flat and u in flat and v in flat:
-                base = plain.dist(points[u], points[v])
-                left, right = plain.dist(points[u], points[w]), plain.dist(points[v], points[w])
+                base = dist(points[u], points[v])
+                left, right = dist(points[u], points[w]), dist(points[v], points[w])
                 x = (base * base + left * left - right * right) / (2 * base)
                 y = sqrt(left * left - x * x)
                 (px, py), (qx, qy) = flat[u], flat[v]
@@ -53,9 +54,7 @@ def _cross(p: Flat, q: Flat, r: Flat) -> float:
 
 def edges_of(surface: plain.Glued) -> list[Edge]:
     """The ends of each edge, the lesser vertex first."""
-    ends = {
-        tuple(sorted((v, surface.vertex[plain.following(side)]))) for side, v in surface.vertex.items()
-    }
+    ends = {tuple(sorted((v, surface.vertex[plain.following(side)]))) for side, v in surface.vertex.items()}
     return sorted((a, b) for a, b in ends)
 
 
@@ -137,7 +136,7 @@ def surface_flip_frames() -> list[fr.Frame]:
 
     def lines(role: str, edges: Sequence[Edge]) -> fr.Item:
         bent = [on_ribbon(edge, flat, given, points) for edge in edges]
-        parts = [pair for path in bent for pair in zip(path, path[1:])]
+        parts = [pair for path in bent for pair in pairwise(path)]
         return fr.segments(role, [(flat[a], flat[b]) for a, b in edges] + parts)
 
     def drawn(caption: str, step: dict[str, Any], *items: fr.Item) -> fr.Frame:
@@ -154,7 +153,7 @@ def surface_flip_frames() -> list[fr.Frame]:
         )
 
     frames = [drawn("a ribbon: unrolled, and in space", steps[0])]
-    for step, after in zip(steps, steps[1:]):
+    for step, after in pairwise(steps):
         (a, b), far = step["edge"], step["new"]
         center, radius = min((_circle(flat[a], flat[b], flat[c]) for c in far), key=lambda found: found[1])
         corners = " and ".join(sorted(RIBBON_NAMES[c] for c in far))
