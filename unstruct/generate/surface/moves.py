@@ -7,9 +7,10 @@ from ...connect.insertion.halfedges import next_edge, prev_edge
 from ...connect.surface.halfedges import ALONG_CURVE, CORNER, SMOOTH, first_corner, turned
 from .shapes import MOVES_DONE, settle, star_is_near, star_least, star_normal
 
-__all__ = ["move_pass", "put_pass", "search_at"]
+__all__ = ["move_pass", "put_pass", "search_at", "settle_pass"]
 
 NEVER_REFUSED = 0.25  # sharpness of 30 degrees: a move that leaves triangles so good is never refused
+ON_SURFACE_SQUARED = 2.0**-96  # the square of a distance in scaled coordinates: sixteen units of rounding
 SEARCH_STEP, LAST_STEP = 0.2, 0.01  # of a pattern search, in wanted lengths
 
 
@@ -101,6 +102,34 @@ def move_pass(work, start, stop):
             for k in range(3):
                 p[k] = 0.5 * (p[k] + s.xyz[v, k])
     return 0
+
+
+@kernel
+def settle_pass(work, start, stop, off):
+    """Move vertices onto the surface that are beside it; ``off`` is True where a triangle would turn over.
+
+    Splits leave vertices beside it where their triangles were too sharp; afterwards few are.
+    """
+    s, p, ref, moved = work.sheets, work.x[0], work.ref, 0
+    for v in range(start, stop):
+        off[v] = False
+        if s.at[v] < 0 or s.kind[v] == CORNER:
+            continue
+        for k in range(3):
+            p[k] = s.xyz[v, k]
+        star_normal(s, v, ref)
+        t = settle(work, v, s.kind[v], s.near[v])
+        square = 0.0
+        for k in range(3):
+            square += (p[k] - s.xyz[v, k]) ** 2
+        if square <= ON_SURFACE_SQUARED:
+            continue
+        if star_least(s, v, p, ref, 0.0) > 0.0:
+            _put(work, v, t)
+            moved += 1
+        else:
+            off[v] = True
+    return moved
 
 
 @kernel

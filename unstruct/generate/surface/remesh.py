@@ -34,6 +34,9 @@ FAULT_REASONS = {
     INVERTED: "turned against the given surface",
     FLAT_TRIANGLE: "flat",
 }
+OFF_SURFACE = "a vertex is beside the surface, where a triangle would turn over on it: give a smaller size there"
+    "a vertex is beside the given surface: on it, a triangle would turn over; give a smaller size there"
+)
 CROSSES_ANOTHER = "crosses another triangle: give a smaller size there"
 NO_BUDGET = "larger than the size: the budget of vertices is used up"
 
@@ -198,6 +201,8 @@ def _account(
         why[i] = NO_BUDGET if run.short else MISSED_SIZE
     for kind, text in FAULT_REASONS.items():
         why |= dict.fromkeys(np.flatnonzero(fault & kind).tolist(), text)
+    off = run.off[taken.vertices][taken.triangles].any(axis=1)
+    why |= dict.fromkeys(np.flatnonzero(off).tolist(), OFF_SURFACE)
     why |= dict.fromkeys(np.flatnonzero(crossed).tolist(), CROSSES_ANOTHER)
     cells = sorted(why)
     names = ("splits", "collapses", "flips", "moves", "refused: too far", "refused: turned over")

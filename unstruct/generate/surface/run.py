@@ -17,7 +17,7 @@ from .faceting import faceting
 from .flips import count_degrees, flip_pass
 from .lengths import collapse_pass, split_pass
 from .measuring import FLAT_TRIANGLE, TOO_FAR_OFF, faults_pass, grade_pass, lower_pass
-from .moves import move_pass, put_pass
+from .moves import move_pass, put_pass, settle_pass
 from .shapes import COLLAPSES, FLIPS_DONE, SPLITS_DONE, RemeshWork
 from .sharpest import mend_pass, sharpest_pass
 
@@ -71,6 +71,7 @@ class RemeshRun:
         self.slack = 1.0
         self.faceting = faceting(support)
         self.short = False  # whether the budget did not suffice
+        self.off = np.zeros(0, dtype=np.bool_)  # vertices that could not be moved onto the surface
         self.refresh()
 
     @property
@@ -249,12 +250,19 @@ class RemeshRun:
             self.grade()
             self.round()
             self.finish()
+            self.settle()
             bar.update()
             found = self.crossing()
         return found
 
+    def settle(self) -> None:
+        """Move vertices onto the surface that are beside it, and note where that is impossible."""
+        self.off = np.zeros(self.used, dtype=np.bool_)
+        self.sweep(settle_pass, self.used, self.off)
+
     def put(self, places: Array) -> int:
         """Move vertices to these places, where no triangle turns over; how many stay."""
+        self.off[:] = False
         return self.sweep(put_pass, self.used, places)
 
     def run(self, bar: Any) -> None:
@@ -280,3 +288,4 @@ class RemeshRun:
                 break
             self.mend(fault)
             bar.update()
+        self.settle()
