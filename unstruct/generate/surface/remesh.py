@@ -34,9 +34,7 @@ FAULT_REASONS = {
     INVERTED: "turned against the given surface",
     FLAT_TRIANGLE: "flat",
 }
-OFF_SURFACE = "a vertex is beside the surface, where a triangle would turn over on it: give a smaller size there"
-    "a vertex is beside the given surface: on it, a triangle would turn over; give a smaller size there"
-)
+OFF_SURFACE = "a vertex is beside the surface, as a triangle would turn over: give a smaller size there"
 CROSSES_ANOTHER = "crosses another triangle: give a smaller size there"
 NO_BUDGET = "larger than the size: the budget of vertices is used up"
 
