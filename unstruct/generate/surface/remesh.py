@@ -34,7 +34,7 @@ FAULT_REASONS = {
     INVERTED: "turned against the given surface",
     FLAT_TRIANGLE: "flat",
 }
-OFF_SURFACE = "a vertex is beside the surface, as a triangle would turn over: give a smaller size there"
+BESIDE_SURFACE = "a vertex is beside the surface, as a triangle would turn over: give a smaller size there"
 CROSSES_ANOTHER = "crosses another triangle: give a smaller size there"
 NO_BUDGET = "larger than the size: the budget of vertices is used up"
 
@@ -200,7 +200,7 @@ def _account(
     for kind, text in FAULT_REASONS.items():
         why |= dict.fromkeys(np.flatnonzero(fault & kind).tolist(), text)
     off = run.off[taken.vertices][taken.triangles].any(axis=1)
-    why |= dict.fromkeys(np.flatnonzero(off).tolist(), OFF_SURFACE)
+    why |= dict.fromkeys(np.flatnonzero(off).tolist(), BESIDE_SURFACE)
     why |= dict.fromkeys(np.flatnonzero(crossed).tolist(), CROSSES_ANOTHER)
     cells = sorted(why)
     names = ("splits", "collapses", "flips", "moves", "refused: too far", "refused: turned over")
