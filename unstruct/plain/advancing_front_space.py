@@ -8,12 +8,13 @@ are tried in the order of their distance from M. The first one that passes all t
 changes by the symmetric difference with the faces of the tetrahedron.
 
 In space a valid vertex need not exist, even if all are tried: so a face is put aside, at first for flatter
-cells and a point half as high, then for any valid cell. If no face has one, the
+cells and a point half as high, then for the roundest valid cell with any vertex. If no face has one, the
 front is *stuck*. *Theorem.* Then there is no tetrahedron abcd of vertices of the front, on any of its faces
 abc, that passes all tests, and what is left has no tetrahedralization without further vertices that contains
-all faces of the front (with other diagonals in flat sides it may have one). *Proof.* A vertex that was refused stays refused: what the tetrahedron overlaps stays meshed, and whatever touches it
-stays at the front as long as it is not meshed. A tetrahedralization of what is left has a cell on each face
-of the front, and all its cells pass the tests.
+all faces of the front (with other diagonals in flat sides it may have one). *Proof.* A vertex that was
+refused stays refused: what the tetrahedron overlaps stays meshed, and whatever touches it stays at the front
+as long as it is not meshed. A tetrahedralization of what is left has a cell on each face of the front, and
+all its cells pass the tests.
 
 Sources: R. Löhner, P. Parikh, International Journal for Numerical Methods in Fluids 8 (1988) 1135-1149; the
 source chapter, 12.3.1; E. Schönhardt, Mathematische Annalen 98 (1928) 309-312.
