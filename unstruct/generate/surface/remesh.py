@@ -22,7 +22,7 @@ from ...sizing.field import SizeField, as_size
 from .cleaning import Cleaned, cleaned
 from .distances import curve_deviation
 from .measuring import FLAT_TRIANGLE, INVERTED, TOO_FAR_OFF
-from .run import ALLOWED, REMESH_ROUNDS, RemeshRun
+from .run import ALLOWED, KEPT_TO, REMESH_ROUNDS, RemeshRun
 from .seams import divide_seams
 from .shapes import COLLAPSES, FLIPS_DONE, MOVES_DONE, SPLITS_DONE, TOO_FAR, TURNED
 from .true_surface import moved_onto, nearest_by
@@ -64,10 +64,11 @@ def remesh(
         edges between triangles with different names, named edges, and edges in which more than two triangles
         meet. Their points stay on them.
     deviation : float, optional
-        How far the new triangles may be from the given ones. By default a hundredth of the size, and as much
-        more as the given triangles are off a smooth surface themselves, where they are coarse: altogether at
-        most 0.15 of the size. Where the surface is too curved for the size, the size is lowered, to no less
-        than an eighth.
+        How far the new triangles may be from the given ones, and these from them, at samples; triangles for
+        which that cannot be are in ``unrefined``. By default a hundredth of the size, and as much more as the
+        given triangles are off a smooth surface themselves, where they are coarse: altogether at most 0.15 of
+        the size. Where the surface is too curved for the size, the size is lowered, to no less than an
+        eighth.
     onto : function (k, 3) -> (k, 3), optional
         The nearest points of the true surface, which the given triangles approximate: they are divided and
         moved onto it first, points of features, too.
@@ -190,7 +191,10 @@ def _account(
     same = (points[old] == support.points[taken.vertices[old]]).all(axis=1)  # slots are used again
     origin[old[same]] = taken.vertices[old[same]]
     mesh = Mesh(points, taken.triangles)
-    fault = run.faults()[taken.slots]
+    fault = run.faults()
+    if run.deviation is not None:
+        fault = fault & ~TOO_FAR_OFF | run.farther(1.0 / KEPT_TO)
+    fault = fault[taken.slots]
     crossed = np.isin(taken.slots, crossing)
     sides = points[taken.triangles] - points[np.roll(taken.triangles, 1, axis=1)]
     large = lengths(sides).max(axis=1) > MUCH_LONGER * run.size(points[taken.triangles].mean(axis=1))

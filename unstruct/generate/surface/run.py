@@ -12,6 +12,7 @@ from ...connect.surface.halfedges import SURFACE_SLOTS, SURFACE_VERTICES
 from ...geometry.embedded import meeting_pairs
 from ...geometry.support import Support
 from ...geometry.support_walk import WAITING_BOXES
+from ...geometry.triangle_tree import TriangleTree
 from ...sizing.field import SizeField
 from .faceting import faceting
 from .flips import count_degrees, flip_pass
@@ -21,7 +22,7 @@ from .moves import move_pass, put_pass, settle_pass
 from .shapes import COLLAPSES, FLIPS_DONE, SPLITS_DONE, RemeshWork
 from .sharpest import mend_pass, sharpest_pass
 
-__all__ = ["ALLOWED", "RemeshRun"]
+__all__ = ["ALLOWED", "KEPT_TO", "RemeshRun"]
 
 Array = NDArray[np.float64]
 ALLOWED = 0.01  # the distance from the given surface that is allowed, in sizes, if nothing is said
@@ -108,7 +109,7 @@ class RemeshRun:
             more = np.minimum(0.5 * ALLOWED * asked + coarse, MOST_ALLOWED * asked)
             s.allowed[used] = np.where(coarse > ALLOWED * asked, more, KEPT_TO * ALLOWED * asked)
         else:
-            s.allowed[used] = self.deviation * self.support.factor
+            s.allowed[used] = KEPT_TO * self.deviation * self.support.factor
         s.allowed[used] = np.maximum(s.allowed[used], NOT_NEARER)
 
     def split(self) -> None:
@@ -219,6 +220,28 @@ class RemeshRun:
         self.sweep(faults_pass, self.slots, fault)
         return fault
 
+    def farther(self, share: float = 1.0) -> NDArray[np.int8]:
+        """`TOO_FAR_OFF` for slots of triangles with a sample that is farther than a share of what is allowed.
+
+        Of the surface, too: the triangle that is nearest to the middle of a given one has the fault. Only a
+        distance that was asked for is held by all samples.
+        """
+        s, fault = self.complex.sheets, np.zeros(self.slots, dtype=np.int8)
+        if self.deviation is None:
+            return fault
+        taken = self.complex.taken()
+        corners = s.vertex[3 * taken.slots[:, None] + np.arange(3)]
+        most = share * s.allowed[corners].max(axis=1) / self.support.factor
+        points = taken.points / self.support.factor
+        there, back = self.support.distances(points, taken.triangles)
+        fault[taken.slots[there > most]] = TOO_FAR_OFF
+        rows = np.flatnonzero(back > most.min(initial=np.inf))
+        if len(rows):
+            middle = self.support.points[self.support.triangles[rows]].mean(axis=1)
+            near, _ = TriangleTree(points[taken.triangles]).nearest(middle)
+            fault[taken.slots[near[back[rows] > most[near]]]] = TOO_FAR_OFF
+        return fault
+
     def mend(self, fault: NDArray[np.int8]) -> None:
         """Finer triangles where those there are too far from the surface."""
         start = 0
@@ -283,7 +306,7 @@ class RemeshRun:
         self.slack = 1.0
         self.finish()
         for _ in range(MENDS):
-            fault = self.faults()
+            fault = self.faults() | self.farther()
             if not (fault & TOO_FAR_OFF).any():
                 break
             self.mend(fault)
