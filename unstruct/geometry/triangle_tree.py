@@ -60,7 +60,7 @@ def onto(p, corner, place):
         two = nx * (uy * wz - uz * wy) + ny * (uz * wx - ux * wz) + nz * (ux * wy - uy * wx)
         if one >= 0.0 and two >= 0.0 and one + two <= square:
             place[1], place[2] = one / square, two / square
-            place[0] = 1.0 - place[1] - place[2]
+            place[0] = max(0.0, 1.0 - place[1] - place[2])
             height = wx * nx + wy * ny + wz * nz
             thin = THIN_SQUARED * (ux * ux + uy * uy + uz * uz) * (vx * vx + vy * vy + vz * vz)
             if square > thin:
@@ -77,7 +77,7 @@ def onto(p, corner, place):
                     away = _onto_edge(p, corner, i, (i + 1) % 3, place)
                     if away <= inner:
                         return away
-                place[0], place[1], place[2] = 1.0 - keep_1 - keep_2, keep_1, keep_2
+                place[0], place[1], place[2] = max(0.0, 1.0 - keep_1 - keep_2), keep_1, keep_2
                 return inner
     k = 0
     best = _onto_edge(p, corner, 0, 1, place)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import DEFAULT_BUDGET, as_count
+from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain
@@ -79,7 +79,7 @@ def metric_space_front(
             raise InputError(
                 f"{name} = {value!r} must be one of {', '.join(map(repr, choices))} with a metric in space"
             )
-    most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
+    most = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     cut = None
     if split_boundary is not False:
         cut = divided(domain, metric, bool(split_boundary), MOST_INNER if budget is None else most, fill)
@@ -125,7 +125,7 @@ def measured(mesh: DomainMesh, metric: SpaceMetric) -> tuple[Array, Array]:
     x = mesh.points[mesh.simplices]
     middle, v = x.mean(axis=1), x[:, 1:] - x[:, :1]
     lengths = np.stack([metric.length(middle, x[:, j] - x[:, i]) for i, j in EDGES_IN_METRIC], axis=1)
-    six = np.abs(np.linalg.det(v / metric.lengths(middle).prod(axis=1)[:, None, None] ** (1 / 3)))
+    six = np.abs((np.cross(v[:, 0], v[:, 1]) * v[:, 2]).sum(axis=1)) / metric.lengths(middle).prod(axis=1)
     return lengths, 12.0 * (six / 2.0) ** (2.0 / 3.0) / np.square(lengths).sum(axis=1)
 
 
