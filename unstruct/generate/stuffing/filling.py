@@ -15,36 +15,16 @@ from ...base.jit import kernel
 from ..tree.lookup import Grid
 from ..tree.vertices import Vertices, numbered
 from .background import background_tetrahedra
+from .rounds_of_raising import Background, Cut, poor_cells, raised_angles
 from .stencils import Cuts, stenciled
 from .warping import ALPHA, Edges, crossed_edges, warped
 
-__all__ = ["Background", "Filling", "background_of", "filled_background", "lattice_vertices"]
+__all__ = ["Filling", "background_of", "filled_background", "lattice_vertices"]
 
 Array = NDArray[np.float64]
 
 
 GRADED_SHARE = 0.35  # of the shortest edge at a vertex where levels meet: it moves less (measured to be good)
-
-
-class Background(NamedTuple):
-    """Tetrahedra over an octree.
-
-    Attributes
-    ----------
-    points : (n, 3) float64
-        First the corners of leaves, then their centers.
-    place : (n, 3) int64
-        Their coordinates in halves of the smallest leaves' sides.
-    sign : (n,) int8
-        1 inside, 0 on the surface, -1 outside.
-    cells : (m, 4) int32
-        Those with a vertex inside.
-    """
-
-    points: Array
-    place: NDArray[np.int64]
-    sign: NDArray[np.int8]
-    cells: NDArray[np.int32]
 
 
 class Filling(NamedTuple):
@@ -61,6 +41,10 @@ class Filling(NamedTuple):
         The tetrahedron of the background in which each cell lies.
     moved, cut : int
         The numbers of vertices that were moved and of cut points.
+    raised : int
+        The number of vertices that were moved, or moved again, because of angles.
+    poor : (p,) int64
+        Cells with a dihedral angle below 10 or above 165 degrees.
     """
 
     points: Array
@@ -70,6 +54,8 @@ class Filling(NamedTuple):
     owner: NDArray[np.int64]
     moved: int
     cut: int
+    raised: int
+    poor: NDArray[np.int64]
 
 
 def lattice_vertices(grid: Grid) -> tuple[Array, NDArray[np.int64], Vertices]:
@@ -91,7 +77,8 @@ def background_of(
 ) -> Background:
     """The background over the leaves of a tree, from `lattice_vertices` and their signs."""
     points, place, corners = vertices
-    return Background(points, place, sign, background_tetrahedra(grid, corners.corners, sign))
+    cells = background_tetrahedra(grid, corners.corners, sign)
+    return Background(points, place, sign, cells, grid, corners.corners)
 
 
 def filled_background(background: Background, shares: Callable[[Edges], Array]) -> Filling:
@@ -110,7 +97,8 @@ def filled_background(background: Background, shares: Callable[[Edges], Array]) 
     step = np.abs(place[edges.outer] - place[edges.inner])
     length = np.sqrt((step * step).sum(axis=1).astype(np.float64))
     alpha = np.where((step > 0).sum(axis=1) == 1, *ALPHA) * length
-    reach = _reach(background, edges)
+    least, mixed = _shortest(background)
+    reach = _reach(edges, least, mixed)
     begin, end = points[edges.inner], points[edges.outer]
     places = np.where(
         (share <= 0.5)[:, None],
@@ -119,6 +107,7 @@ def filled_background(background: Background, shares: Callable[[Edges], Array]) 
     )
     vertex, edge = warped(edges, share, length, np.minimum(alpha, reach))
     points[vertex], sign[vertex] = places[edge], 0
+    raised = raised_angles(background, Cut(points, sign, edges.keys, places), least, mixed)
     whole = (sign[edges.inner] > 0) & (sign[edges.outer] < 0)
     cells, owner = stenciled(background.cells, sign, place, Cuts(edges.keys[whole], n))
     cuts = np.flatnonzero(whole)
@@ -127,7 +116,9 @@ def filled_background(background: Background, shares: Callable[[Edges], Array]) 
     number = np.where(new, n + cuts[np.where(new, used - n, 0)] if len(cuts) else used, used)
     found = np.concatenate([points, places[cuts]])[used]
     on_surface = np.concatenate([sign == 0, np.ones(len(cuts), dtype=bool)])[used]
-    return Filling(found, cells, number, on_surface, owner, len(vertex), len(cuts))
+    poor = poor_cells(found, cells, owner, raised.poor)
+    moved = int(np.count_nonzero(sign != background.sign))
+    return Filling(found, cells, number, on_surface, owner, moved, len(cuts), raised.count, poor)
 
 
 @kernel
@@ -149,15 +140,20 @@ def _look(cells, place, least, mixed):
                 mixed[cells[row, i]] = True
 
 
-def _reach(background: Background, edges: Edges) -> Array:
+def _shortest(background: Background) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """The squares of the shortest edges at vertices, and at which vertices levels meet."""
+    least = np.full(len(background.points), np.iinfo(np.int64).max)
+    mixed = np.zeros(len(background.points), dtype=np.bool_)
+    _look(background.cells, background.place, least, mixed)
+    return least, mixed
+
+
+def _reach(edges: Edges, least: NDArray[np.int64], mixed: NDArray[np.bool_]) -> Array:
     """How far the inner and the outer ends of edges may move: (2, e).
 
     In the lattice of one level, where the squares of long and short edges are as 4 to 3, this bounds nothing.
     Where levels meet, a long edge may begin beside a short one.
     """
-    least = np.full(len(background.points), np.iinfo(np.int64).max)
-    mixed = np.zeros(len(background.points), dtype=np.bool_)
-    _look(background.cells, background.place, least, mixed)
     ends = np.stack([edges.inner, edges.outer])
     return np.where(mixed[ends], GRADED_SHARE * np.sqrt(least[ends].astype(np.float64)), np.inf)
 

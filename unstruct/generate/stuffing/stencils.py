@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.jit import inline, kernel, lean
+from ...base.jit import apart, inline, kernel, lean
 
 __all__ = ["Cuts", "stenciled"]
 
@@ -141,6 +141,34 @@ def _two_and_two(t, odd, place, cuts, n, out, count):
     return _write(out, count, odd, a, bd, ac, ad)
 
 
+@apart
+def pieces_of(t, sign, place, cuts, n, out, count):
+    """Write the pieces of the tetrahedron t, which is sorted for that; returns the new count."""
+    plus = minus = 0
+    for k in range(4):
+        plus += sign[t[k]] > 0
+        minus += sign[t[k]] < 0
+    if plus == 0:
+        return count
+    if minus == 0:
+        return _write(out, count, False, t[0], t[1], t[2], t[3])
+    odd = _sort(t, sign)
+    if plus == 3:
+        return _three_inside(t, odd, place, cuts, n, out, count)
+    if plus == 2 and minus == 2:
+        return _two_and_two(t, odd, place, cuts, n, out, count)
+    if plus == 2:
+        a, b, z, d = t[0], t[1], t[2], t[3]
+        if not _first(place, a, b, d):
+            a, b, odd = b, a, not odd
+        ad, bd = _cut(cuts.keys, cuts.first, n, a, d), _cut(cuts.keys, cuts.first, n, b, d)
+        count = _write(out, count, odd, a, b, z, bd)
+        return _write(out, count, odd, a, ad, bd, z)
+    for k in range(4 - minus, 4):
+        t[k] = _cut(cuts.keys, cuts.first, n, t[0], t[k])
+    return _write(out, count, odd, t[0], t[1], t[2], t[3])
+
+
 @kernel
 def _stencils(cells, sign, place, cuts, out, owner):
     """The tetrahedra inside all `cells`, whose vertices have a `sign`; returns their number."""
@@ -148,33 +176,10 @@ def _stencils(cells, sign, place, cuts, out, owner):
     t = np.empty(4, dtype=np.int64)
     count = 0
     for row in range(len(cells)):
-        plus = minus = 0
         for k in range(4):
             t[k] = cells[row, k]
-            plus += sign[t[k]] > 0
-            minus += sign[t[k]] < 0
-        if plus == 0:
-            continue
         begin = count
-        if minus == 0:
-            count = _write(out, count, False, t[0], t[1], t[2], t[3])
-        else:
-            odd = _sort(t, sign)
-            if plus == 3:
-                count = _three_inside(t, odd, place, cuts, n, out, count)
-            elif plus == 2 and minus == 2:
-                count = _two_and_two(t, odd, place, cuts, n, out, count)
-            elif plus == 2:
-                a, b, z, d = t[0], t[1], t[2], t[3]
-                if not _first(place, a, b, d):
-                    a, b, odd = b, a, not odd
-                ad, bd = _cut(cuts.keys, cuts.first, n, a, d), _cut(cuts.keys, cuts.first, n, b, d)
-                count = _write(out, count, odd, a, b, z, bd)
-                count = _write(out, count, odd, a, ad, bd, z)
-            else:
-                for k in range(4 - minus, 4):
-                    t[k] = _cut(cuts.keys, cuts.first, n, t[0], t[k])
-                count = _write(out, count, odd, t[0], t[1], t[2], t[3])
+        count = pieces_of(t, sign, place, cuts, n, out, count)
         for k in range(begin, count):
             owner[k] = row
     return count
