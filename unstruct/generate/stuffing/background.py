@@ -99,7 +99,7 @@ def _beside_parent(grid, shift, low, up, child, out):
 
 @kernel
 def _background(grid, shift, vertex, leaves, sign, between, cells):
-    """The tetrahedra of leaves with a vertex inside; returns how many there are, also beyond the room in `cells`.
+    """The tetrahedra with a vertex inside; returns how many there are, also beyond the room in `cells`.
 
     Such vertices are corners of leaves, their centers, or in the middle of edges or faces of those which are
     flagged in `between`.

@@ -118,7 +118,7 @@ def filled_background(background: Background, shares: Callable[[Edges], Array]) 
     on_surface = np.concatenate([sign == 0, np.ones(len(cuts), dtype=bool)])[used]
     poor = poor_cells(found, cells, owner, raised.poor)
     moved = int(np.count_nonzero(sign != background.sign))
-    return Filling(found, cells, number, on_surface, owner, moved, len(cuts), raised.count, poor)
+    return Filling(found, cells, number, on_surface, owner, moved, len(cuts), raised.changed, poor)
 
 
 @kernel

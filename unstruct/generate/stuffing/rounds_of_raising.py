@@ -62,7 +62,7 @@ class Cut(NamedTuple):
 class Raised(NamedTuple):
     """How many vertices have changed, and the tetrahedra of the background that still have poor cells."""
 
-    count: int
+    changed: int
     poor: NDArray[np.int64]
 
 
@@ -112,13 +112,13 @@ def raised_angles(
         poor = _poor(background, state, rows)
         if not len(poor) or number == ROUNDS_OF_RAISING:
             break
-        vertices = background.cells[poor].ravel()
+        vertices = background.cells[poor].ravel().astype(np.int64)
         if number >= MORE_VERTICES:
             near = np.zeros(n, dtype=np.bool_)
             near[vertices] = True
             around = near[background.cells].any(axis=1)
             vertices = np.concatenate([vertices, background.cells[around].ravel()])
-        vertices = vertices[np.sort(np.unique(vertices, return_index=True)[1])].astype(np.int64)
+        vertices = vertices[np.sort(np.unique(vertices, return_index=True)[1])]
         changes = raise_stars(state, _stars(background, vertices), vertices, number > 0)
         if not changes and number >= MORE_VERTICES:
             break

@@ -90,8 +90,9 @@ def isosurface_stuffing(
     -------
     DomainMesh
         ``counts`` has the numbers of vertices that were "moved" onto the surface, of "cut points", of those
-        "raised", which moved because of angles, of "values" of the function, and of "pinched" vertices; with `features`, of the cells of the "strip",
-        which are the last ones, and of parts "on creases". For a surface, ``figures`` has the largest
+        "raised", which moved because of angles, of "values" of the function, and of "pinched" vertices; with
+        `features`, of the cells of the "strip", which are the last ones, and of parts "on creases". For a
+        surface, ``figures`` has the largest
         distance of a place of it from the mesh, "cells missed". For a Domain, ``markers`` has for each of its
         names the faces that are nearest to facets of that name, and "region" the number of each cell if
         regions have names. ``unrefined`` has cells where the boundary touches itself, cells next to which a
