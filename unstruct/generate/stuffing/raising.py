@@ -24,10 +24,10 @@ __all__ = ["LARGEST_COSINE", "SMALLEST_COSINE", "Stars", "State", "raise_stars",
 
 LARGEST_COSINE, SMALLEST_COSINE = 0.984807753012208, -0.965925826289068  # of 10 and of 165 degrees
 ABOVE = LARGEST_COSINE + SMALLEST_COSINE  # so much better are large angles than small ones, as cosines
-TURNED = 9.0  # the badness of cells that are not positive
+NOT_POSITIVE = 9.0  # the badness of cells that are not positive
 LEAST_PROGRESS = 1e-4
 LARGEST_STEP, SMALLEST_STEP = 0.25, 0.01  # of vertices inside, as shares of the shortest edge there
-MOST_STEPS = 24
+MOST_STEPS_WITHIN = 24
 
 
 class State(NamedTuple):
@@ -78,7 +78,7 @@ class Room(NamedTuple):
 
 @apart
 def _badness(xyz, a, b, c, d):
-    """The largest cosine of a dihedral angle, or what counts as much of a large one; or `TURNED`."""
+    """The largest cosine of a dihedral angle, or what counts as much of a large one; or `NOT_POSITIVE`."""
     ux, uy, uz = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]
     vx, vy, vz = xyz[c, 0] - xyz[a, 0], xyz[c, 1] - xyz[a, 1], xyz[c, 2] - xyz[a, 2]
     wx, wy, wz = xyz[d, 0] - xyz[a, 0], xyz[d, 1] - xyz[a, 1], xyz[d, 2] - xyz[a, 2]
@@ -92,7 +92,7 @@ def _badness(xyz, a, b, c, d):
         rx * rx + ry * ry + rz * rz, sx * sx + sy * sy + sz * sz,
     )  # fmt: skip
     if not (p > 0.0 and q > 0.0 and r > 0.0 and s > 0.0) or ux * px + uy * py + uz * pz <= 0.0:
-        return TURNED
+        return NOT_POSITIVE
     worst = -1.0
     for k in range(6):
         if k == 0:
@@ -184,7 +184,7 @@ def _within(state, stars, v, best, room):
     """Move v, which is inside, to a better place by a pattern search; returns the badness then."""
     xyz, step = state.xyz, LARGEST_STEP * state.least[v]
     x, y, z = xyz[v, 0], xyz[v, 1], xyz[v, 2]
-    for _ in range(MOST_STEPS):
+    for _ in range(MOST_STEPS_WITHIN):
         u, v0, w, found = x, y, z, False
         for k in range(27):
             _put(xyz, v, x + step * (k % 3 - 1), y + step * (k // 3 % 3 - 1), z + step * (k // 9 - 1))
@@ -314,8 +314,8 @@ def raise_stars(state, stars, vertices, switching):
     )
     changes = 0
     for v in vertices:
-        before = best = _star_badness(state, stars, v, TURNED, room)
-        if best < LARGEST_COSINE or best >= TURNED:
+        before = best = _star_badness(state, stars, v, NOT_POSITIVE, room)
+        if best < LARGEST_COSINE or best >= NOT_POSITIVE:
             continue
         if state.sign[v] > 0:
             best = _within(state, stars, v, best, room)

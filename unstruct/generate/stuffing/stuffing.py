@@ -36,7 +36,7 @@ MOST_COORDINATE = 2.0**128  # its fourth power and that of its inverse are doubl
 PINCHED = "the boundary touches itself here: the body, or the gap beside it, is thinner than a cell"
 CELLS_OVERLAP = "cells overlap here: a gap or a bubble is thinner than a cell; take a smaller size"
 TOO_COARSE = "the size is smaller here than the cells along the surface; graded=True follows it"
-POOR_ANGLE = "a dihedral angle is below 10 or above 165 degrees here; improve may make it better"
+ANGLE_NOT_RAISED = "a dihedral angle is below 10 or above 165 degrees here; improve may make it better"
 LOST_CREASE = "a sharp edge is not kept here: the strip along it could not be filled; try another size"
 NOTHING_INSIDE = "no vertex of the lattice is inside: the body is thinner than a cell; take a smaller size"
 
@@ -197,7 +197,7 @@ def _made(laid: Laid) -> Made:
     filling = filled_background(background, laid.shares)
     if not len(filling.cells):
         raise InputError(NOTHING_INSIDE)
-    poor = dict.fromkeys(filling.poor.tolist(), POOR_ANGLE)
+    poor = dict.fromkeys(filling.poor.tolist(), ANGLE_NOT_RAISED)
     return Made(
         filling.points,
         filling.cells,
