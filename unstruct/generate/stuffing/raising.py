@@ -23,7 +23,7 @@ from .stencils import Cuts, pieces_of
 __all__ = ["LARGEST_COSINE", "SMALLEST_COSINE", "Stars", "State", "raise_stars", "survey_pieces"]
 
 LARGEST_COSINE, SMALLEST_COSINE = 0.984807753012208, -0.965925826289068  # of 10 and of 165 degrees
-ABOVE = LARGEST_COSINE + SMALLEST_COSINE  # so much better are large angles than small ones, as cosines
+BOTH_COSINES = LARGEST_COSINE + SMALLEST_COSINE  # so much better are large angles than small ones, as cosines
 NOT_POSITIVE = 9.0  # the badness of cells that are not positive
 LEAST_PROGRESS = 1e-4
 LARGEST_STEP, SMALLEST_STEP = 0.25, 0.01  # of vertices inside, as shares of the shortest edge there
@@ -107,7 +107,7 @@ def _badness(xyz, a, b, c, d):
             cos = -(qx * sx + qy * sy + qz * sz) / np.sqrt(q * s)
         else:
             cos = -(rx * sx + ry * sy + rz * sz) / np.sqrt(r * s)
-        worst = max(worst, cos, ABOVE - cos)
+        worst = max(worst, cos, BOTH_COSINES - cos)
     return worst
 
 
