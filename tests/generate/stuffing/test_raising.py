@@ -54,19 +54,11 @@ def test_small_angles_are_raised(seed: int, size: Callable[[int], Any]) -> None:
     assert_sound(mesh)
     assert_on_surface(mesh, examples.noise(seed))
     least, most = dihedral_range(mesh)
-    assert least >= 8
+    assert least >= 10
     assert most <= 165
     assert mesh.counts["raised"] > 0
     assert_angles_or_told(mesh)
     assert {p.kind for p in check(mesh).problems} <= {"pinched vertex", "pinched edge", "vertex link"}
-
-
-def test_what_cannot_be_raised_is_told() -> None:
-    mesh = steep_noise(44, cone(44))
-    assert_sound(mesh)
-    assert dihedral_range(mesh)[0] < 10
-    assert any("below 10" in reason for reason in mesh.reasons)
-    assert_angles_or_told(mesh)
 
 
 @pytest.mark.parametrize("seed", [45, 40, 43])

@@ -28,6 +28,7 @@ from .warping import Edges
 __all__ = ["Laid", "coarse_places", "grid_of", "laid_in_level_set", "refused_leaves", "smallest_size"]
 
 Array = NDArray[np.float64]
+LatticeVertices = tuple[Array, NDArray[np.int64], Vertices]
 SIZE_SLACK = 1.1  # a size may be so much smaller than a cell that nothing is told
 COARSE_GRID = 33  # vertices along each side of a box, where a size is asked before there is a lattice
 
@@ -46,16 +47,21 @@ class Laid(NamedTuple):
     refused : (k,) int64
         Leaves that the size would have divided.
     field : SizeField
+    tree : Linear
+    over : callable
+        The same over another tree, from this one by further divisions.
     samples : (x, side), optional
         Points of the surface (q, 3), and the sides of the leaves there (q,).
     """
 
     grid: Grid
-    vertices: tuple[Array, NDArray[np.int64], Vertices]
+    vertices: LatticeVertices
     sign: NDArray[np.int8]
     shares: Callable[[Edges], Array]
     refused: NDArray[np.int64]
     field: SizeField
+    tree: Linear
+    over: Callable[[Linear], Laid]
     samples: tuple[Array, Array] | None = None
 
 
@@ -131,9 +137,10 @@ def laid_in_level_set(
             Limits(0, frame.level, budget),
             progress=progress,
         )
-        grid = grid_of(balanced(growth.tree, "edges"), frame.root)
-        vertices = lattice_vertices(grid)
-        values, sign = _asked_at(body, vertices[0])
+
+        def asked(grid: Grid, vertices: LatticeVertices) -> tuple[Array, NDArray[np.int8]]:
+            return _asked_at(body, vertices[0])
+
     else:
         _within_budget(float(np.prod(frame.cells.astype(np.float64))), budget, cell)
         samples = samples_of(body, frame)
@@ -142,17 +149,23 @@ def laid_in_level_set(
         if field.constant is None:
             rules.append(_inner(inside, frame.level, by_size(field)))
         growth = grow(frame.root, rules, Limits(0, frame.level, budget), progress=progress)
-        grid = grid_of(balanced(growth.tree, "edges"), frame.root)
+
+        def asked(grid: Grid, vertices: LatticeVertices) -> tuple[Array, NDArray[np.int8]]:
+            return _looked_up(frame, samples, grid, vertices[1])
+
+    def over(tree: Linear) -> Laid:
+        grid = grid_of(tree, frame.root)
         vertices = lattice_vertices(grid)
-        values, sign = _looked_up(frame, samples, grid, vertices[1])
-    points = vertices[0]
-    _refuse_masses_of_zeros(points, vertices[2].corners, sign)
+        points, (values, sign) = vertices[0], asked(grid, vertices)
+        _refuse_masses_of_zeros(points, vertices[2].corners, sign)
 
-    def shares(edges: Edges) -> Array:
-        ends = points[edges.inner], points[edges.outer]
-        return body.zeros(*ends, values[edges.inner], values[edges.outer], tolerance)
+        def shares(edges: Edges) -> Array:
+            ends = points[edges.inner], points[edges.outer]
+            return body.zeros(*ends, values[edges.inner], values[edges.outer], tolerance)
 
-    return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid, field), field)
+        return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid, field), field, tree, over)
+
+    return over(balanced(growth.tree, "edges"))
 
 
 def _refuse_masses_of_zeros(points: Array, corners: NDArray[np.int32], sign: NDArray[np.int8]) -> None:

@@ -20,7 +20,16 @@ from ...base.jit import apart, kernel, lean
 from ...geometry.triangle_pairs import side
 from .stencils import Cuts, pieces_of
 
-__all__ = ["LARGEST_COSINE", "SMALLEST_COSINE", "Stars", "State", "raise_stars", "survey_pieces"]
+__all__ = [
+    "LARGEST_COSINE",
+    "SMALLEST_COSINE",
+    "Stars",
+    "State",
+    "is_disc",
+    "raise_stars",
+    "room_of",
+    "survey_pieces",
+]
 
 LARGEST_COSINE, SMALLEST_COSINE = 0.984807753012208, -0.965925826289068  # of 10 and of 165 degrees
 BOTH_COSINES = LARGEST_COSINE + SMALLEST_COSINE  # so much better are large angles than small ones, as cosines
@@ -244,7 +253,7 @@ def _beginning(rim, count, a):
 
 
 @apart
-def _is_disc(state, stars, v, room):
+def is_disc(state, stars, v, room):
     """Whether the surface is a disc around v if v is on it, with all its neighbors there in the rim.
 
     Then the body and what is outside are connected in the same way whether v is inside, outside or on the
@@ -303,15 +312,15 @@ def _switch(state, stars, v, best, room):
     return now
 
 
+def room_of(stars: Stars) -> Room:
+    """Enough for the star with most tetrahedra."""
+    most = int((stars.start[1:] - stars.start[:-1]).max(initial=0))
+    return Room(*(np.empty(shape, dtype=np.int64) for shape in ((3, 4), 4, (9 * most, 2))))
+
+
 @kernel
-def raise_stars(state, stars, vertices, switching):
+def raise_stars(state, stars, vertices, switching, room):
     """Visit these vertices in their order; returns how many changes there were."""
-    most = 0
-    for v in vertices:
-        most = max(most, stars.start[v + 1] - stars.start[v])
-    room = Room(
-        np.empty((3, 4), dtype=np.int64), np.empty(4, dtype=np.int64), np.empty((9 * most, 2), dtype=np.int64)
-    )
     changes = 0
     for v in vertices:
         before = best = _star_badness(state, stars, v, NOT_POSITIVE, room)
@@ -322,7 +331,7 @@ def raise_stars(state, stars, vertices, switching):
         elif state.sign[v] == 0 and state.original[v] != 0:
             best = _to_cut(state, stars, v, best, room)
         if best >= LARGEST_COSINE and switching and state.original[v] != 0:
-            if _is_disc(state, stars, v, room):
+            if is_disc(state, stars, v, room):
                 best = _switch(state, stars, v, best, room)
         changes += best < before
     return changes

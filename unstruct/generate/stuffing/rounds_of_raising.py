@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from ...base.jit import kernel
 from ..tree.lookup import Grid
 from .background import background_tetrahedra
-from .raising import LARGEST_COSINE, Stars, State, raise_stars, survey_pieces
+from .raising import LARGEST_COSINE, Stars, State, raise_stars, room_of, survey_pieces
 from .stencils import Cuts, stenciled
 
-__all__ = ["Background", "Cut", "poor_cells", "raised_angles"]
+__all__ = ["Background", "Cut", "poor_cells", "raised_angles", "stars_at"]
 
 Array = NDArray[np.float64]
 ROUNDS_OF_RAISING = 6
@@ -119,7 +119,8 @@ def raised_angles(
             around = near[background.cells].any(axis=1)
             vertices = np.concatenate([vertices, background.cells[around].ravel()])
         vertices = vertices[np.sort(np.unique(vertices, return_index=True)[1])]
-        changes = raise_stars(state, _stars(background, vertices), vertices, number > 0)
+        stars = stars_at(background, vertices)
+        changes = raise_stars(state, stars, vertices, number > 0, room_of(stars))
         if not changes and number >= MORE_VERTICES:
             break
         seen[vertices] = True
@@ -140,7 +141,7 @@ def _poor(background: Background, state: State, rows: NDArray[np.int64]) -> NDAr
     return rows[found[np.sort(np.unique(found, return_index=True)[1])]]
 
 
-def _stars(background: Background, vertices: NDArray[np.int64]) -> Stars:
+def stars_at(background: Background, vertices: NDArray[np.int64]) -> Stars:
     """All tetrahedra at these vertices, also those outside of the body."""
     flags = np.full(len(background.sign), -1, dtype=np.int8)
     flags[vertices] = 1

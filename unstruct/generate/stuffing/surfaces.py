@@ -21,6 +21,7 @@ from ..tree.contacts import CUT, boundary_of
 from ..tree.criteria import Level, Rule, by_size
 from ..tree.growing import Limits, grow
 from ..tree.keys import DEEPEST_LEVEL
+from ..tree.linear import Linear
 from ..tree.lookup import Grid, located
 from .ending import nearest_on
 from .filling import lattice_vertices
@@ -72,15 +73,20 @@ def laid_in_surface(domain: Domain, field: SizeField, graded: bool, limits: tupl
             f"size = {cell:.6g} needs more leaves of the octree than the budget of {budget:,}; take a "
             "larger size"
         )
-    grid = grid_of(balanced(growth.tree, "edges"), frame.root)
-    vertices = lattice_vertices(grid)
-    sign = _signs(domain, points, triangles, vertices[0])
 
-    def shares(edges: Edges) -> Array:
-        return _shares(points[triangles], vertices[0][edges.inner], vertices[0][edges.outer])
+    def over(tree: Linear) -> Laid:
+        grid = grid_of(tree, frame.root)
+        vertices = lattice_vertices(grid)
+        sign = _signs(domain, points, triangles, vertices[0])
 
-    samples = _surface_samples(points[triangles], met, grid)
-    return Laid(grid, vertices, sign, shares, refused_leaves(growth, grid, field), field, samples)
+        def shares(edges: Edges) -> Array:
+            return _shares(points[triangles], vertices[0][edges.inner], vertices[0][edges.outer])
+
+        samples = _surface_samples(points[triangles], met, grid)
+        refused = refused_leaves(growth, grid, field)
+        return Laid(grid, vertices, sign, shares, refused, field, tree, over, samples)
+
+    return over(balanced(growth.tree, "edges"))
 
 
 def _cut_above(level: int) -> Rule:
