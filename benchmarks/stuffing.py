@@ -5,7 +5,8 @@ dihedral angles, whether the surface is closed, how many cells are inverted, and
 without those in the functions.
 
 *Fields.* Random fields of one level, against the bounds of the theorem: smooth noise that fills its box, and
-as rough as can be, with a random value for each vertex of the lattice.
+as rough as can be, with a random value for each vertex of the lattice. And rough bodies with steep sizes that
+the surface follows, for which no theorem speaks: noise, and balls with deep bumps.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from .meshers import Mesher, several
 Array = NDArray[np.float64]
 BOUNDS = (10.7, 164.8)
 SMOOTH_BOUNDS = (15.0, 152.0)
+GRADED_BOUNDS = (8.0, 165.0)  # wanted, not proved
 BALLS = 3  # by seed
 ROUGH = 8  # cubes in each direction of a field without pattern
 BINS = 36  # of the histogram of dihedral angles, five degrees each
@@ -34,9 +36,9 @@ GRADED = {f"graded ball {k}": (0.02, 3_400_000) for k in range(BALLS)}
 # work -> kind -> the rough number of cells, or the number of fields
 PLAN: dict[str, dict[str, tuple[int, ...]]] = {
     "stuffing": {kind: (cells,) for kind, (_, cells) in (SIZES | GRADED).items()},
-    "fields": {"smooth": (500,), "rough": (500,)},
+    "fields": {"smooth": (500,), "rough": (500,), "graded": (100,)},
 }
-__all__ = ["BOUNDS", "GRADED", "MESHERS", "PLAN", "SMOOTH_BOUNDS", "measures", "task", "warm_up"]
+__all__ = ["BOUNDS", "GRADED", "GRADED_BOUNDS", "MESHERS", "PLAN", "SMOOTH_BOUNDS", "measures", "task", "warm_up"]
 
 
 class Clock:
@@ -81,10 +83,12 @@ def body(kind: str, n: int) -> Body:
 
 
 def field(kind: str, seed: int) -> Body:
-    """A field of one level: smooth noise, or a value for each vertex of the lattice."""
+    """A field of one level: smooth noise, or a value for each vertex of the lattice; or a graded body."""
     from unstruct import examples
 
     rng = np.random.default_rng(seed)
+    if kind == "graded":
+        return graded_body(seed // 2)
     if kind == "smooth":
         found = examples.noise(seed)
         return Body(found, found.box, float(rng.uniform(0.5, 1.0)), cap=True)
@@ -99,6 +103,27 @@ def field(kind: str, seed: int) -> Body:
         return result
 
     return Body(table, np.array([[0.0] * 3, [float(ROUGH)] * 3]), 1.0, tolerance=None, cap=True)
+
+
+def graded_body(number: int) -> Body:
+    """A rough body, by turns: noise and a ball with deep bumps, with a size that grows from a point, that goes
+    up and down within a few cells, and one that jumps."""
+    from unstruct import examples
+
+    rng = np.random.default_rng(number)
+    way, ball = rng.normal(size=3), number % 2 == 1
+    found: Any = examples.noisy_ball(number, height=0.2, shortest=0.5) if ball else examples.noise(number)
+    unit, least = (0.25, 0.04) if ball else (1.0, 0.25)
+    low, high = np.asarray(found.box)
+    start = way / np.sqrt((way * way).sum()) if ball else rng.uniform(low, high)
+
+    def size(x: Array) -> Array:
+        if number // 2 % 3 == 0:
+            return least + 0.35 * np.sqrt(((x - start) ** 2).sum(axis=1))
+        wave = np.sin(0.7 * (x * way).sum(axis=1) / unit)
+        return unit * (0.5 + (0.8 * np.abs(wave) if number // 2 % 3 == 1 else 0.7 * (wave > 0.0)))
+
+    return Body(found, found.box, size, graded=True, cap=not ball)
 
 
 def task(work: str, kind: str, n: int) -> Any:
