@@ -78,11 +78,12 @@ class Stars(NamedTuple):
 
 
 class Room(NamedTuple):
-    """Room for pieces, for the corners of a tetrahedron, and for the edges around a vertex."""
+    """Room for pieces, for the corners of a tetrahedron, for the edges around a vertex, for pieces at it."""
 
     out: NDArray[np.int64]
     t: NDArray[np.int64]
     rim: NDArray[np.int64]
+    at: NDArray[np.int64]
 
 
 @apart
@@ -155,6 +156,34 @@ def _star_positive(state, stars, v, images, room):
     return True
 
 
+@apart
+def _gather(state, stars, v, room):
+    """List the pieces at v; returns their number, and the worst badness of the others in its star.
+
+    The others do not change when v moves.
+    """
+    count, worst, out, at = 0, -1.0, room.out, room.at
+    for i in range(stars.start[v], stars.start[v + 1]):
+        for j in range(_load(state, stars, i, room)):
+            if out[j, 0] == v or out[j, 1] == v or out[j, 2] == v or out[j, 3] == v:
+                for k in range(4):
+                    at[count, k] = out[j, k]
+                count += 1
+            else:
+                worst = max(worst, _badness(state.xyz, out[j, 0], out[j, 1], out[j, 2], out[j, 3]))
+    return count, worst
+
+
+@apart
+def _badness_at(xyz, at, count, worst, limit):
+    """The worst of `worst` and of the badness of pieces; as soon as it reaches the limit, that."""
+    for i in range(count):
+        if worst >= limit:
+            return worst
+        worst = max(worst, _badness(xyz, at[i, 0], at[i, 1], at[i, 2], at[i, 3]))
+    return worst
+
+
 @lean
 def _put(xyz, v, x, y, z):
     xyz[v, 0], xyz[v, 1], xyz[v, 2] = x, y, z
@@ -172,6 +201,7 @@ def _to_cut(state, stars, v, best, room):
     n, xyz, image = np.int64(len(state.sign)), state.xyz, state.image
     x, y, z = xyz[v, 0], xyz[v, 1], xyz[v, 2]
     a, b, c = image[v, 0], image[v, 1], image[v, 2]
+    count, others = _gather(state, stars, v, room)
     for i in range(stars.start[v], stars.start[v + 1]):
         for k in range(4):
             w = stars.cells[stars.rows[i], k]
@@ -179,7 +209,7 @@ def _to_cut(state, stars, v, best, room):
                 continue
             at = n + np.searchsorted(state.keys, np.int64(min(v, w)) * n + max(v, w))
             _put_both(state, v, xyz[at, 0], xyz[at, 1], xyz[at, 2])
-            now = _star_badness(state, stars, v, best, room)
+            now = _badness_at(xyz, room.at, count, others, best)
             if now < best - LEAST_PROGRESS and _star_positive(state, stars, v, True, room):
                 best, x, y, z = now, xyz[v, 0], xyz[v, 1], xyz[v, 2]
                 a, b, c = x, y, z
@@ -193,11 +223,12 @@ def _within(state, stars, v, best, room):
     """Move v, which is inside, to a better place by a pattern search; returns the badness then."""
     xyz, step = state.xyz, LARGEST_STEP * state.least[v]
     x, y, z = xyz[v, 0], xyz[v, 1], xyz[v, 2]
+    count, others = _gather(state, stars, v, room)
     for _ in range(MOST_STEPS_WITHIN):
         u, v0, w, found = x, y, z, False
         for k in range(27):
             _put(xyz, v, x + step * (k % 3 - 1), y + step * (k // 3 % 3 - 1), z + step * (k // 9 - 1))
-            now = _star_badness(state, stars, v, best, room)
+            now = _badness_at(xyz, room.at, count, others, best)
             if now < best - LEAST_PROGRESS and _star_positive(state, stars, v, False, room):
                 best, found = now, True
                 u, v0, w = xyz[v, 0], xyz[v, 1], xyz[v, 2]
@@ -315,7 +346,7 @@ def _switch(state, stars, v, best, room):
 def room_of(stars: Stars) -> Room:
     """Enough for the star with most tetrahedra."""
     most = int((stars.start[1:] - stars.start[:-1]).max(initial=0))
-    return Room(*(np.empty(shape, dtype=np.int64) for shape in ((3, 4), 4, (9 * most, 2))))
+    return Room(*(np.empty(shape, dtype=np.int64) for shape in ((3, 4), 4, (9 * most, 2), (3 * most, 4))))
 
 
 @kernel
@@ -335,6 +366,16 @@ def raise_stars(state, stars, vertices, switching, room):
                 best = _switch(state, stars, v, best, room)
         changes += best < before
     return changes
+
+
+@kernel
+def survey_stars(state, stars, room, bad):
+    """Write the worst badness of pieces for each of the rows."""
+    out = room.out
+    for i in range(len(stars.rows)):
+        bad[i] = -1.0
+        for j in range(_load(state, stars, i, room)):
+            bad[i] = max(bad[i], _badness(state.xyz, out[j, 0], out[j, 1], out[j, 2], out[j, 3]))
 
 
 @kernel

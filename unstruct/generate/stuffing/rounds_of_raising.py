@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from ...base.jit import kernel
 from ..tree.lookup import Grid
 from .background import background_tetrahedra
-from .raising import LARGEST_COSINE, Stars, State, raise_stars, room_of, survey_pieces
-from .stencils import Cuts, stenciled
+from .raising import LARGEST_COSINE, Stars, State, raise_stars, room_of, survey_pieces, survey_stars
 
 __all__ = ["Background", "Cut", "poor_cells", "raised_angles", "stars_at"]
 
@@ -103,42 +102,57 @@ def raised_angles(
     cell = float(background.grid.side[0]) * 0.5 ** (background.grid.depth + 1)
     factor = 0.5 ** np.frexp(cell)[1]  # so that products are doubles
     xyz = np.concatenate([cut.points, cut.places]) * factor
-    lattice, length = background.points * factor, np.sqrt(least.astype(np.float64)) * (cell * factor)
-    image, original = xyz[:n].copy(), background.sign
-    state = State(xyz, image, lattice, background.place, cut.sign, original, cut.keys, length)
-    before, signs = xyz[:n].copy(), cut.sign.copy()
-    seen = np.zeros(n, dtype=np.bool_)
-    for number in range(ROUNDS_OF_RAISING + 1):
-        poor = _poor(background, state, rows)
-        if not len(poor) or number == ROUNDS_OF_RAISING:
-            break
+    length = np.sqrt(least.astype(np.float64)) * (cell * factor)
+    state = State(xyz, xyz[:n], xyz[:n], background.place, cut.sign, background.sign, cut.keys, length)
+    poor = _poor(background, state, rows)
+    if not len(poor):
+        return Raised(0, poor)
+    state = state._replace(image=xyz[:n].copy(), lattice=background.points * factor)
+    signs, seen = cut.sign.copy(), np.zeros(n, dtype=np.bool_)
+    for number in range(ROUNDS_OF_RAISING):
         vertices = background.cells[poor].ravel().astype(np.int64)
         if number >= MORE_VERTICES:
-            near = np.zeros(n, dtype=np.bool_)
-            near[vertices] = True
-            around = near[background.cells].any(axis=1)
-            vertices = np.concatenate([vertices, background.cells[around].ravel()])
+            around = background.cells[_rows_at(background, vertices)]
+            vertices = np.concatenate([vertices, around.ravel()])
         vertices = vertices[np.sort(np.unique(vertices, return_index=True)[1])]
         stars = stars_at(background, vertices)
         changes = raise_stars(state, stars, vertices, number > 0, room_of(stars))
-        if not changes and number >= MORE_VERTICES:
-            break
         seen[vertices] = True
-        rows = np.union1d(rows, np.flatnonzero(seen[background.cells].any(axis=1)))
-    changed = np.flatnonzero((xyz[:n] != before).any(axis=1) | (signs != cut.sign))
+        poor = _poor(background, state, _rows_at(background, vertices))  # the others are as they were
+        if not len(poor) or (not changes and number >= MORE_VERTICES):
+            break
+    visited = np.flatnonzero(seen)
+    moved = (xyz[visited] != cut.points[visited] * factor).any(axis=1)
+    changed = visited[moved | (signs[visited] != cut.sign[visited])]
     cut.points[changed] = xyz[changed] / factor
     return Raised(len(changed), poor)
 
 
+@kernel
+def _beside(cells, flags, rows):
+    """List the tetrahedra with a vertex that is flagged."""
+    count = 0
+    for row in range(len(cells)):
+        if flags[cells[row, 0]] or flags[cells[row, 1]] or flags[cells[row, 2]] or flags[cells[row, 3]]:
+            rows[count] = row
+            count += 1
+    return count
+
+
+def _rows_at(background: Background, vertices: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The tetrahedra of the background with one of these vertices."""
+    flags = np.zeros(len(background.sign), dtype=np.bool_)
+    flags[vertices] = True
+    rows = np.empty(len(background.cells), dtype=np.int64)
+    return rows[: _beside(background.cells, flags, rows)].copy()
+
+
 def _poor(background: Background, state: State, rows: NDArray[np.int64]) -> NDArray[np.int64]:
     """The tetrahedra of the background, among some, that have a poor cell, the worst first."""
-    n = len(state.sign)
-    cells, owner = stenciled(background.cells[rows], state.sign, state.place, Cuts(state.keys, n))
-    bad = np.empty(len(cells))
-    survey_pieces(state.xyz, cells, bad)
+    stars, bad = Stars(background.cells, np.zeros(1, dtype=np.int64), rows), np.empty(len(rows))
+    survey_stars(state, stars, room_of(stars), bad)
     poor = np.flatnonzero(bad >= LARGEST_COSINE)
-    found = owner[poor[np.argsort(-bad[poor], kind="stable")]]
-    return rows[found[np.sort(np.unique(found, return_index=True)[1])]]
+    return rows[poor[np.argsort(-bad[poor], kind="stable")]]
 
 
 def stars_at(background: Background, vertices: NDArray[np.int64]) -> Stars:

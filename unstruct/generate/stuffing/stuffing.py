@@ -121,8 +121,8 @@ def isosurface_stuffing(
     inside anywhere, and, where the surface is a disc, onto it or off it. Where that fails, the larger leaves
     around are divided, and all begins anew, up to four times, if the budget allows. In 440 rough bodies with
     steep sizes and parts as thin as a cell, of 15 million cells in all, no angle is then below 10 or above
-    165 degrees; leaves were divided in five of them. What might remain is listed; ``improve(mesh)`` may raise it,
-    and keeps the boundary.
+    165 degrees; leaves were divided in five of them. What might remain is listed; ``improve(mesh)`` may raise
+    it, and keeps the boundary.
 
     With `features` the cells within one cell of sharp edges are taken out. What is left between the others
     and the surface is a body of its own. Its flat sides are divided by `voronoi_segment`, with the creases
