@@ -16,7 +16,7 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 pytestmark = pytest.mark.skipif(
     not any(map(shutil.which, NAMES)), reason=f"no browser: none of {', '.join(NAMES)} is installed"
 )
-PAGES = ["3.2", "3.4", "errata"]
+PAGES = ["3.1", "3.4", "errata"]
 
 
 @pytest.fixture(scope="module")
