@@ -38,7 +38,17 @@ PLAN: dict[str, dict[str, tuple[int, ...]]] = {
     "stuffing": {kind: (cells,) for kind, (_, cells) in (SIZES | GRADED).items()},
     "fields": {"smooth": (500,), "rough": (500,), "graded": (100,)},
 }
-__all__ = ["BOUNDS", "GRADED", "GRADED_BOUNDS", "MESHERS", "PLAN", "SMOOTH_BOUNDS", "measures", "task", "warm_up"]
+__all__ = [
+    "BOUNDS",
+    "GRADED",
+    "GRADED_BOUNDS",
+    "MESHERS",
+    "PLAN",
+    "SMOOTH_BOUNDS",
+    "measures",
+    "task",
+    "warm_up",
+]
 
 
 class Clock:
@@ -106,8 +116,7 @@ def field(kind: str, seed: int) -> Body:
 
 
 def graded_body(number: int) -> Body:
-    """A rough body, by turns: noise and a ball with deep bumps, with a size that grows from a point, that goes
-    up and down within a few cells, and one that jumps."""
+    """Noise and balls with deep bumps by turns, with sizes that grow from a point, wave, or jump."""
     from unstruct import examples
 
     rng = np.random.default_rng(number)

@@ -236,7 +236,8 @@ def markdown(result: dict[str, Any]) -> str:
     done = {row["work"] for row in rows}
     sections = {title: table(rows, work) for work, title in TITLES.items() if work in done}
     if "fields" in done:
-        sections[TITLES["fields"]] += "\n\nThe theorem promises {}° to {}° for fields of one level.".format(*BOUNDS)
+        low, high = BOUNDS
+        sections[TITLES["fields"]] += f"\n\nThe theorem promises {low}° to {high}° for fields of one level."
     return page(result, sections)
 
 
