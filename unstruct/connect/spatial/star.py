@@ -51,6 +51,7 @@ __all__ = [
     "room_for_star",
     "search_star",
     "settle_star",
+    "unseen_across",
 ]
 
 LEAST_HEIGHT = (
@@ -92,6 +93,19 @@ def _clear(xyz, vertex, face, p):
     return abs(six) > LEAST_HEIGHT * np.sqrt(square)
 
 
+@inline
+def unseen_across(solid, t, k, inside):
+    """The cell across face k of cell t, unless the face is marked, or the cell has been looked at; or -1.
+
+    ``inside`` is the stamp of the search; the next number is that of cells that are not in the cavity.
+    """
+    if solid.mark[4 * t + k] >= 0 or solid.across[4 * t + k] < 0:
+        return np.int64(-1)
+    u = np.int64(solid.across[4 * t + k] >> 2)
+    seen = solid.stamp[u] == inside or solid.stamp[u] == inside + 1
+    return np.int64(-1) if seen else u
+
+
 @apart
 def search_star(solid, star, edges, p, split):
     """Find the cavity of p from the first cells of ``star``, and judge it; False if there is no star.
@@ -121,10 +135,8 @@ def search_star(solid, star, edges, p, split):
         t = np.int64(star.cells[head])
         head += 1
         for k in range(4):
-            if solid.mark[4 * t + k] >= 0 or solid.across[4 * t + k] < 0:
-                continue
-            u = np.int64(solid.across[4 * t + k] >> 2)
-            if solid.stamp[u] == inside or solid.stamp[u] == inside + 1:
+            u = unseen_across(solid, t, k, inside)
+            if u < 0:
                 continue
             if _in_ball(solid.xyz, solid.vertex, u, p):
                 star.cells[size] = u
