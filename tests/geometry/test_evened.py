@@ -13,7 +13,7 @@ from unstruct.geometry.evened import STRETCHED, evened
 
 
 def needles(seed: int, ratio: float, count: int = 40) -> tuple[np.ndarray, np.ndarray]:
-    """Points of a box mapped so that edges are long in one turned direction, and random edges of neighbors."""
+    """Points of a box that is thin in a turned direction, and random edges between them."""
     rng = np.random.default_rng(seed)
     turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
     x = rng.random((count, 3)) @ (turn * [1.0, 1.0, 1.0 / ratio]) @ turn.T

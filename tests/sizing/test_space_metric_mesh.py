@@ -64,7 +64,7 @@ def test_outside_it_is_that_of_the_nearest_boundary_point(mesh: unstruct.Mesh) -
     metric = sizing.metric_background(mesh, matrices(3, len(mesh.points), 1.0))
     assert isinstance(metric, sizing.BackgroundSpaceMetric) and "tetrahedra" in repr(metric)
     inner = np.array([[1.0, 0.3, 0.4], [0.2, 0.0, 0.7]])
-    outer = inner + [[2.0, 0, 0], [0, -0.5, 0]]
+    outer = inner + np.array([[2.0, 0, 0], [0, -0.5, 0]])
     np.testing.assert_allclose(metric.at(outer), metric.at(inner), rtol=1e-6, atol=1e-6)
     assert metric.outside == 2
 
@@ -110,9 +110,7 @@ def test_gradation_of_sizes_is_that_of_limit_nodes(mesh: unstruct.Mesh) -> None:
     h = np.where(np.arange(len(mesh.points)) % 17 == 0, 0.01, 1.0)
     start = sizing.metric_background(mesh, np.eye(3) / h[:, None, None] ** 2)
     graded = sizing.gradation(start, 0.3, space="space")
-    np.testing.assert_allclose(
-        graded.values[:, 0, 0] ** -0.5, sizing.limit_nodes(mesh, h, 0.3), rtol=1e-7
-    )
+    np.testing.assert_allclose(graded.values[:, 0, 0] ** -0.5, sizing.limit_nodes(mesh, h, 0.3), rtol=1e-7)
     still = sizing.gradation(sizing.metric_background(mesh, matrices(0, 1, 2.0).repeat(len(h), 0)), 0.3)
     np.testing.assert_array_equal(still.values[0], still.values[-1])
     for wrong, words in (

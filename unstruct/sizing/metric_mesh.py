@@ -94,8 +94,8 @@ def metric_background(mesh: Mesh, values: ArrayLike) -> BackgroundMetric | Backg
 
     Notes
     -----
-    O(log m) per point for m cells. Source for logarithms: V. Arsigny et al., Magnetic Resonance in Medicine 56
-    (2006) 411-421. Book: 3.3, 3.5.
+    O(log m) per point for m cells. Source for logarithms: V. Arsigny et al., Magnetic Resonance in Medicine
+    56 (2006) 411-421. Book: 3.3, 3.5.
     """
     if not fills_its_space(mesh) or mesh.size == 0:
         raise MeshError(
@@ -148,8 +148,8 @@ def metric_from_hessian(
 
     Notes
     -----
-    A simplex that is regular with edges 1 in this metric has at most the error of a regular one of edge h under
-    second derivatives k in all directions, where h is the length above; see `from_hessian`. Where the
+    A simplex that is regular with edges 1 in this metric has at most the error of a regular one of edge h
+    under second derivatives k in all directions, where h is the length above; see `from_hessian`. Where the
     function bends in one direction only, the others get long edges. Source: F. Alauzet, A. Loseille,
     Computer-Aided Design 72 (2016) 13-39. Book: 3.3, 3.5.
     """

@@ -52,10 +52,10 @@ class SpaceMetric(AnyMetric):
 
     Notes
     -----
-    `unstruct.sizing` makes metrics in space from directions and lengths (`directional_space`), from matrices at
-    the vertices of tetrahedra (`metric_background`), from second derivatives (`metric_from_hessian`), and from
-    other metrics (`intersection_space`, `gradation`). `unstruct.advancing_front` meshes bodies by them. The ratio of two
-    lengths at a place must not exceed 10^5.
+    `unstruct.sizing` makes metrics in space from directions and lengths (`directional_space`), from matrices
+    at the vertices of tetrahedra (`metric_background`), from second derivatives (`metric_from_hessian`), and
+    from other metrics (`intersection_space`, `gradation`). `unstruct.advancing_front` meshes bodies by them.
+    The ratio of two lengths at a place must not exceed 10^5.
 
     Examples
     --------

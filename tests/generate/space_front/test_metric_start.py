@@ -82,7 +82,7 @@ def test_leaves_fill_the_box() -> None:
 def test_too_many_are_refused_before_work() -> None:
     box = Domain.box()
     start = time.process_time()
-    with pytest.raises(InputError, match="tetrahedra.*budget.*larger lengths"):
+    with pytest.raises(InputError, match=r"tetrahedra.*budget.*larger lengths"):
         advancing_front(box, sizing.directional_space(TURNED, [1e-3, 1e-3, 1e-5]))
     with pytest.raises(InputError, match="more than the 100 of the budget"):
         advancing_front(box, sizing.directional_space(AXES, [0.1, 0.1, 0.1]), budget=100)

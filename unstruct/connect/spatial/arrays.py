@@ -256,6 +256,6 @@ class CellArrays:
         return self.xyz[: self.size] / self.factor
 
     def place(self, points: NDArray[np.float64]) -> None:
-        """Give all vertices other coordinates, (size, 3): an image under a linear map that keeps orientation."""
+        """Give all vertices other coordinates, (size, 3): an image that keeps orientations."""
         self.factor = power_of_two(points) / 8
         self.xyz[: self.size] = points * self.factor

@@ -32,27 +32,13 @@ from ..insertion.engine import COUNT, FREE, STAMP
 from .cavity import corner, new_slot
 from .numbered import number_of_edge
 from .opening import (
-    FACES_OPEN,
-    MAY_GO,
-    STAR_CELLS,
-    STAR_FIRST,
-    STAR_SEEDS,
-    STAR_WALLS,
-    find_rim,
-    sees_face,
-    third,
-)
+    FACES_OPEN, MAY_GO, STAR_CELLS, STAR_FIRST, STAR_SEEDS, STAR_WALLS, find_rim, sees_face, third,
+)  # fmt: skip
 
 __all__ = [
-    "add_star",
-    "commit_star",
-    "flawed_faces",
-    "in_star",
-    "room_for_star",
-    "search_star",
-    "settle_star",
+    "add_star", "commit_star", "flawed_faces", "in_star", "room_for_star", "search_star", "settle_star",
     "unseen_across",
-]
+]  # fmt: skip
 
 LEAST_HEIGHT = (
     2.0**-50
@@ -95,10 +81,7 @@ def _clear(xyz, vertex, face, p):
 
 @inline
 def unseen_across(solid, t, k, inside):
-    """The cell across face k of cell t, unless the face is marked, or the cell has been looked at; or -1.
-
-    ``inside`` is the stamp of the search; the next number is that of cells that are not in the cavity.
-    """
+    """The cell across face k of cell t; -1 where the face is marked or the cell has been looked at."""
     if solid.mark[4 * t + k] >= 0 or solid.across[4 * t + k] < 0:
         return np.int64(-1)
     u = np.int64(solid.across[4 * t + k] >> 2)
