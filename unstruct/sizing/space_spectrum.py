@@ -14,7 +14,8 @@ from ..base.jit import apart, inline, kernel
 
 __all__ = [
     "ENTRY_OF_MATRIX", "IN_ROW", "diagonal_in_space", "diagonalize", "intersect_in_space",
-    "inverted_in_space", "keep_shorter", "logarithms_in_space", "means_in_space", "seen_from", "spectrum_in_space",
+    "inverted_in_space", "keep_shorter", "logarithms_in_space", "means_in_space", "seen_from",
+    "spectrum_in_space",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]

@@ -32,7 +32,15 @@ from ..insertion.engine import COUNT, FREE, STAMP
 from .cavity import corner, new_slot
 from .numbered import number_of_edge
 from .opening import (
-    FACES_OPEN, MAY_GO, STAR_CELLS, STAR_FIRST, STAR_SEEDS, STAR_WALLS, find_rim, sees_face, third,
+    FACES_OPEN,
+    MAY_GO,
+    STAR_CELLS,
+    STAR_FIRST,
+    STAR_SEEDS,
+    STAR_WALLS,
+    find_rim,
+    sees_face,
+    third,
 )  # fmt: skip
 
 __all__ = [
@@ -85,8 +93,7 @@ def unseen_across(solid, t, k, inside):
     if solid.mark[4 * t + k] >= 0 or solid.across[4 * t + k] < 0:
         return np.int64(-1)
     u = np.int64(solid.across[4 * t + k] >> 2)
-    seen = solid.stamp[u] == inside or solid.stamp[u] == inside + 1
-    return np.int64(-1) if seen else u
+    return u if solid.stamp[u] != inside and solid.stamp[u] != inside + 1 else np.int64(-1)
 
 
 @apart

@@ -67,4 +67,4 @@ def _taken_back(cells: SpatialComplex, factor: Array, given: Array) -> bool:
     x[: len(given)] = given
     cells.place(x)
     corners = cells.vertex[: 4 * cells.slots].reshape(-1, 4)[cells.inside_slots()]
-    return bool((orient(x[corners]) > 0).all())
+    return bool(np.all(orient(x[corners]) > 0))
