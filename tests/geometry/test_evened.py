@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct.geometry.boxes import BoxTree, bounding_boxes
-from unstruct.geometry.evened import STRETCHED, evened
+from unstruct.geometry.evened import WORTH_EVENING, evened
 
 
 def needles(seed: int, ratio: float, count: int = 40) -> tuple[np.ndarray, np.ndarray]:
@@ -70,4 +70,4 @@ def test_usual_edges_stay_and_needles_are_apart() -> None:
     for place in (x, image):
         boxes = bounding_boxes(place[edges])
         pairs.append(len(BoxTree(*boxes).pairs(*boxes)[0]))
-    assert pairs[0] > STRETCHED * pairs[1]
+    assert pairs[0] > WORTH_EVENING * pairs[1]

@@ -14,8 +14,10 @@ from .stretched import LEAST_PIVOT
 __all__ = ["evened"]
 
 Array = NDArray[np.float64]
-STRETCHED = 8.0  # the quotient of the mean lengths of edges across two axes from which on a map is worth it
-ROUNDED = 2.0**-48  # the error of an image, relative to the terms that it is the sum of
+WORTH_EVENING = (
+    8.0  # the quotient of the mean lengths of edges across two axes from which on a map is worth it
+)
+IMAGE_ERROR = 2.0**-48  # the error of an image, relative to the terms that it is the sum of
 
 
 def evened(xyz: Array, edges: NDArray) -> tuple[Array, Array]:
@@ -53,11 +55,11 @@ def evened(xyz: Array, edges: NDArray) -> tuple[Array, Array]:
     c = np.sqrt(max(b3 - b * b, LEAST_PIVOT * b3))
     e = (b5 - b * d) / c
     f = np.sqrt(max(b6 - d * d - e * e, LEAST_PIVOT * b6))
-    if np.sqrt(b3) < STRETCHED * c and np.sqrt(b6) < STRETCHED * f:
+    if np.sqrt(b3) < WORTH_EVENING * c and np.sqrt(b6) < WORTH_EVENING * f:
         return plain
     one = xyz[:, 0] / a
     two = (xyz[:, 1] - b * one) / c
     three = (xyz[:, 2] - d * one - e * two) / f
     terms = np.array([1.0 / a, (1.0 + abs(b) / a) / c, 0.0])
     terms[2] = (1.0 + abs(d) * terms[0] + abs(e) * terms[1]) / f
-    return np.stack([one, two, three], axis=1), ROUNDED * terms
+    return np.stack([one, two, three], axis=1), IMAGE_ERROR * terms
