@@ -175,11 +175,38 @@ def face_enters(solid, face):
 
 
 @inline
-def put_apex(march, counts, out, p, taken):
-    """Replace the cavity by the star of p; its cells at the front are queued, but for wall ``taken``.
+def accept_and_note(march, diary, counts, face, reason, many, depth):
+    """Accept the cell ahead of a face; its other faces enter the front, or leave it.
 
-    Returns the face of the new cell on that wall.
+    Cells behind those that enter are noted in ``later`` and put on the stack; returns how many there are in
+    each then.
     """
+    accept_cell(march, diary, counts, face, reason)
+    solid, stack = march.solid, march.star.cells
+    for k in range(4):
+        g = np.int64((face & ~3) + k)
+        if face_enters(solid, g):
+            march.later[many] = solid.across[g] >> 2
+            many += 1
+            if depth < len(stack):
+                stack[depth] = solid.across[g] >> 2
+                depth += 1
+    return many, depth
+
+
+@inline
+def next_to_close(march, depth):
+    """Take a cell from the stack: the cell if it is unfinished with three faces at the front, else -1."""
+    depth -= 1
+    t = np.int64(march.star.cells[depth])
+    if march.links[t, STATUS] == ACCEPTED or faces_at_front(march.solid.mark, t) < FACES_TO_CLOSE:
+        t = np.int64(-1)
+    return t, depth
+
+
+@inline
+def replace_cavity(march, counts, p, taken):
+    """Replace the cavity by the star of p, whose cells are in no queue; the face of its cell on ``taken``."""
     solid, star, links = march.solid, march.star, march.links
     for i in range(star.sizes[STAR_CELLS]):
         t = np.int64(star.cells[i])
@@ -190,11 +217,31 @@ def put_apex(march, counts, out, p, taken):
     counts[VERTICES_USED] += 1
     found = np.int64(-1)
     for i in range(star.sizes[STAR_WALLS]):
-        t, k = np.int64(star.fresh[i]), star.walls[i] & 3
+        t = np.int64(star.fresh[i])
         links[t, STATUS] = WAITING
         if star.walls[i] == taken:
-            found = 4 * t + k
-        elif solid.mark[4 * t + k] >= 0:
+            found = 4 * t + (star.walls[i] & 3)
+    return found
+
+
+@inline
+def cell_to_queue(march, i, taken):
+    """The cell of a new star on its wall i, if that is at the front and not ``taken``, else -1."""
+    star = march.star
+    t, k = np.int64(star.fresh[i]), star.walls[i] & 3
+    return t if star.walls[i] != taken and march.solid.mark[4 * t + k] >= 0 else np.int64(-1)
+
+
+@inline
+def put_apex(march, counts, out, p, taken):
+    """Replace the cavity by the star of p; its cells at the front are queued, but for wall ``taken``.
+
+    Returns the face of the new cell on that wall.
+    """
+    found = replace_cavity(march, counts, p, taken)
+    for i in range(march.star.sizes[STAR_WALLS]):
+        t = cell_to_queue(march, i, taken)
+        if t >= 0:
             enqueue_cell(march, t, out)
     return found
 
