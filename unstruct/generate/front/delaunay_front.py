@@ -26,6 +26,7 @@ from ...geometry.segment_pairs import vertices_on_segments
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...predicates.batch import power_of_two, scaled, unscaled
 from ...sizing import as_size
+from ..advancing.rows import CELLS_MADE, VERTEX_COUNT, Waiting, room_to_wait
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import kept_pieces
 from ..boundary.pairs import paired
@@ -33,11 +34,11 @@ from ..rebay.run import TOLERANCE
 from ..space_front.given_points import given_points_in_space
 from ..volume.lacking import what_is_missing
 from . import delaunay_steps as k
-from .classical import emptied, enter_all, finished_mesh, waiting_for
-from .classical_steps import Choices, Waiting
+from .classical import emptied, enter_all, finished_mesh
+from .classical_steps import Choices
 from .empty_circle import new_ahead
 from .made_mesh import Made, domain_mesh_of, neighbors_of, quality_figures
-from .open_front import TRIANGLES_MADE, VERTEX_COUNT, OpenFront, new_front
+from .open_front import OpenFront, new_front
 
 __all__ = ["front_delaunay"]
 
@@ -305,10 +306,10 @@ def _wrapped(
         ties, ahead.found[3] = grown(ties, len(front.made)), 0
         return int(k.wrap(front, ahead, waiting, ties, counts, CELLS_A_CALL))
 
-    waiting = waiting_for(front, None)
+    waiting = room_to_wait(None, len(front.ends), len(front.xy))
     k.start_in_turn(front, waiting)
     front = emptied(front, waiting, advance, factor, bar)
-    m = int(front.state[TRIANGLES_MADE])
+    m = int(front.state[CELLS_MADE])
     names = {"cells": m, "cocircular": int(counts[k.TIES]), "hidden": int(counts[k.HIDDEN_TIMES])}
     return front.made[:m, :3].copy(), ties[:m].copy(), names
 
@@ -323,7 +324,10 @@ def _points_ahead(
     constant = 0.0 if field.constant is None else float(table.values[0, 0])
     choices = Choices(0, 0, False, 1.0, 0.0, constant, n + budget, table)
     front, ahead = _first_front(sampled, sampled.points), new_ahead()
-    waiting, counts = waiting_for(front, None), np.zeros(k.WRAP_COUNTS, dtype=np.int64)
+    waiting, counts = (
+        room_to_wait(None, len(front.ends), len(front.xy)),
+        np.zeros(k.WRAP_COUNTS, dtype=np.int64),
+    )
 
     def advance(front: OpenFront, waiting: Waiting) -> int:
         ahead.found[3] = 0

@@ -30,14 +30,14 @@ from math import inf, sqrt
 import numpy as np
 
 from ...base.codes import DONE, MORE, ROOM
-from ...base.heap import pop, push
 from ...base.jit import apart, inline, lean
 from ...geometry.triangle_pairs import side
 from ...predicates.kernels import insphere
-from .classical_open import FACES_ALIVE, TETRAHEDRA_MADE, close_cell, has_space
+from ..advancing.digital_tree import gather
+from ..advancing.rows import ALIVE, CELLS_MADE, in_turn, next_in_turn
+from .classical_open import close_cell, has_space
 from .classical_signs import CELL_FREE, cell_fault, set_cell
 from .classical_steps import NO_CELL
-from .classical_tree import gather_in_space
 
 __all__ = ["APEX_COUNTS", "HIDDEN_APEXES", "OTHERS_ON_SPHERE", "start_in_age", "wrap_in_space"]
 
@@ -130,7 +130,7 @@ def gather_ahead(front, radius, k, candidates):
         z = place[0, 2] + k * radius * place[1, 2]
         r = radius * sqrt(1.0 + k * k) * (1.0 + 1e-9) + 1e-14
     count = 0
-    for i in range(gather_in_space(front.vertices, (x - r, y - r, z - r, x + r, y + r, z + r))):
+    for i in range(gather(front.vertices, (x - r, y - r, z - r, x + r, y + r, z + r))):
         v = np.int64(found[i])
         dx, dy, dz = xyz[v, 0] - x, xyz[v, 1] - y, xyz[v, 2] - z
         if (everything or dx * dx + dy * dy + dz * dz <= r * r) and (
@@ -202,10 +202,7 @@ def apex_by_sphere(front, row, candidates, counts):
 @inline
 def wait_in_age(front, waiting, row):
     """Put a face into the queue, the oldest first."""
-    value = front.stamp[row] * 4294967296 + row
-    waiting.many[0] = push(
-        waiting.keys, waiting.faces, waiting.many[0], float(front.stamp[row]), np.int64(value)
-    )
+    in_turn(waiting, front.stamp, row, float(front.stamp[row]))
 
 
 @lean
@@ -225,23 +222,17 @@ def wrap_in_space(front, waiting, ties, counts, limit):
     for _ in range(limit):
         if not has_space(front) or waiting.many[0] + 8 > len(waiting.keys):
             return ROOM
-        if front.state[TETRAHEDRA_MADE] >= len(ties):
+        if front.state[CELLS_MADE] >= len(ties):
             return ROOM
-        row = np.int64(-1)
-        while row < 0 and waiting.many[0] > 0:
-            value = waiting.faces[0]
-            waiting.many[0] = pop(waiting.keys, waiting.faces, waiting.many[0])
-            if front.stamp[value % 4294967296] == value // 4294967296:
-                row = np.int64(value % 4294967296)
+        row, _ = next_in_turn(waiting, front.stamp)
         if row < 0:
-            return DONE if front.state[FACES_ALIVE] == 0 else NO_CELL
+            return DONE if front.state[ALIVE] == 0 else NO_CELL
         v, tied = apex_by_sphere(front, row, waiting.candidates, counts)
         if v < 0:
             continue
-        ties[front.state[TETRAHEDRA_MADE]] = tied
+        ties[front.state[CELLS_MADE]] = tied
         counts[OTHERS_ON_SPHERE] += tied
-        close_cell(front, row, v, waiting.rows)
-        for j in range(3):
-            if waiting.rows[j] >= 0:
-                wait_in_age(front, waiting, waiting.rows[j])
+        for new in close_cell(front, row, v):
+            if new >= 0:
+                wait_in_age(front, waiting, new)
     return MORE

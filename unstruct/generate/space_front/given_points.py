@@ -20,13 +20,14 @@ from ...geometry.triangle_pairs import points_on_edges, points_on_triangles
 from ...mesh.domain_mesh import DomainMesh
 from ...mesh.grouping import group_rows
 from ...predicates.batch import in_sphere, unscaled
+from ..advancing.rows import CELLS_MADE, VERTEX_COUNT, room_to_wait
 from ..volume.filling import filled
 from . import empty_sphere as k
 from .classical_mesh import mesh_of_body, quality_in_space
-from .classical_open import POINTS_THERE, TETRAHEDRA_MADE, SpaceFront, larger_space_front
+from .classical_open import SpaceFront, larger_space_front
 from .classical_rest import completed
 from .classical_run import SpaceRun, body_faces, scaled_front
-from .classical_steps import NO_CELL, SpaceWaiting
+from .classical_steps import NO_CELL
 
 __all__ = ["given_points_in_space"]
 
@@ -144,41 +145,30 @@ def _with_points(domain: Domain, rows: NDArray[np.float64]) -> Domain:
 def _wrapped(front: SpaceFront, bar: Any) -> tuple[SpaceFront, NDArray[np.bool_], dict[str, int]]:
     """Cell by cell until no face has an apex: the front, which cells have a choice, and the counts."""
     counts, ties = np.zeros(k.APEX_COUNTS, dtype=np.int64), np.zeros(len(front.made), dtype=bool)
-    waiting = _waiting(front, None)
+    waiting = room_to_wait(None, len(front.corner), len(front.xyz))
     k.start_in_age(front, waiting)
     while True:
-        before = int(front.state[TETRAHEDRA_MADE])
+        before = int(front.state[CELLS_MADE])
         code = k.wrap_in_space(front, waiting, ties, counts, WRAPPED_A_CALL)
-        bar.update(int(front.state[TETRAHEDRA_MADE]) - before)
+        bar.update(int(front.state[CELLS_MADE]) - before)
         if code in (DONE, NO_CELL):
             break
         if code == ROOM:
             front = larger_space_front(front)
-            waiting, ties = _waiting(front, waiting), grown(ties, len(front.made))
-    m = int(front.state[TETRAHEDRA_MADE])
+            waiting = room_to_wait(waiting, len(front.corner), len(front.xyz))
+            ties = grown(ties, len(front.made))
+    m = int(front.state[CELLS_MADE])
     names = {
         "cells": m, "cospherical": int(counts[k.OTHERS_ON_SPHERE]), "hidden": int(counts[k.HIDDEN_APEXES]),
     }  # fmt: skip
     return front, ties[:m].copy(), names
 
 
-def _waiting(front: SpaceFront, old: SpaceWaiting | None) -> SpaceWaiting:
-    """The queue with room for the front; ``old`` is what was in it before."""
-    many = np.zeros(3, dtype=np.int64) if old is None else old.many
-    rows = max(2 * len(front.corner) + 64, 2 * int(many[0]) + 64)
-    none = np.empty(0, dtype=np.int64)
-    keys, faces = (np.empty(0), none) if old is None else (old.keys, old.faces)
-    return SpaceWaiting(
-        grown(keys, rows), grown(faces, rows), many, none, np.empty(0),
-        np.empty(len(front.xyz) + 16, dtype=np.int64), np.empty(3, dtype=np.int64),
-    )  # fmt: skip
-
-
 def _as_run(front: SpaceFront, factor: float, counts: dict[str, int]) -> SpaceRun:
     """What the front has made, as the filling of rests wants it."""
     alive = np.flatnonzero(front.stamp >= 0)
     alive = alive[np.argsort(front.stamp[alive])]
-    m, n = int(front.state[TETRAHEDRA_MADE]), int(front.state[POINTS_THERE])
+    m, n = int(front.state[CELLS_MADE]), int(front.state[VERTEX_COUNT])
     return SpaceRun(
         unscaled(front.xyz[:n], factor), front.made[:m].copy(), front.corner[alive].astype(np.int64),
         front.region[alive].astype(np.int64), counts, None, False,
