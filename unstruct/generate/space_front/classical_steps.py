@@ -230,8 +230,10 @@ def search_in_space(front, choices, waiting, journal, counts, row, edge):
             verdict = fault_of_point(front, row, edge)
         else:
             set_cell(front, row, v)
-            verdict = cell_fault(front)
-            if verdict == CELL_FREE and roundness_of(front.xyz, front.cell) < least:
+            flat = roundness_of(front.xyz, front.cell) < least
+            # Most candidates are too flat, and then the exact tests only serve the record.
+            verdict = CELL_FREE if flat and len(journal.tried) == 0 else cell_fault(front)
+            if verdict == CELL_FREE and flat:
                 verdict = NOT_ROUND_ENOUGH
         note_candidate(journal, counts, v if v != n else np.int64(-1), verdict)
         if verdict == CELL_FREE:
