@@ -120,7 +120,7 @@ def test_the_plain_front_step_by_step(points: list[tuple[int, int, int]], order:
     same(*told_and_made(body_faces(hull(points)), size, order))
 
 
-@pytest.mark.parametrize("name", ["twisted prism", "convex", "ten faces"])
+@pytest.mark.parametrize("name", ["twisted prism", "convex", "general", "ten faces"])
 def test_the_plain_front_of_stuck_bodies(name: str) -> None:
     steps, run = told_and_made(
         body_faces(examples.stuck_body(name)), 20.0 if name[0] == "t" else 2.0, "smallest"
@@ -225,7 +225,7 @@ def test_walls_and_names(size: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "size", "left"), [("twisted prism", 20, 8), ("convex", 2, 8), ("ten faces", 2, 10)]
+    ("name", "size", "left"), [("twisted prism", 20, 8), ("convex", 2, 8), ("general", 2, 8), ("ten faces", 2, 10)]
 )
 def test_stuck(name: str, size: float, left: int) -> None:
     """One point inside of the rest; what was made before stays."""
