@@ -225,7 +225,8 @@ def test_walls_and_names(size: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "size", "left"), [("twisted prism", 20, 8), ("convex", 2, 8), ("general", 2, 8), ("ten faces", 2, 10)]
+    ("name", "size", "left"),
+    [("twisted prism", 20, 8), ("convex", 2, 8), ("general", 2, 8), ("ten faces", 2, 10)],
 )
 def test_stuck(name: str, size: float, left: int) -> None:
     """One point inside of the rest; what was made before stays."""

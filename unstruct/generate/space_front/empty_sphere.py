@@ -10,8 +10,9 @@ before e if it is inside the sphere of abce. The apex is the first visible one.
 **Ties.** Candidates on one sphere must not be chosen face by face as one likes: their cells would not fit
 together. They are ordered as if the height |x|^2 to which each vertex x is lifted were a little larger, much
 less for each vertex than for the next one. Nothing is lifted: the sign is that of the vertex with the largest
-number whose barycentric coordinate in the equation is not 0. O. Devillers, M. Teillaud, Perturbations for
-Delaunay and weighted Delaunay 3D triangulations, Computational Geometry 44 (2011) 160-168.
+number whose barycentric coordinate in the equation is not 0 (`given_points` numbers those of the body first,
+then the points along a Hilbert curve, so that neighbors are near in memory). O. Devillers, M. Teillaud,
+Perturbations for Delaunay and weighted Delaunay 3D triangulations, Computational Geometry 44 (2011) 160-168.
 
 **When the result is constrained Delaunay.** *Theorem.* If what is not meshed has a constrained Delaunay
 tetrahedralization (of these heights), the rule finds it. *Proof.* Let abcd be its cell on abc. Its interior
@@ -43,8 +44,8 @@ __all__ = ["APEX_COUNTS", "HIDDEN_APEXES", "OTHERS_ON_SPHERE", "start_in_age", "
 
 OTHERS_ON_SPHERE, HIDDEN_APEXES, APEX_COUNTS = range(3)
 FIRST_CENTER, CENTER_GROWTH, FARTHEST_CENTER = (
-    1.0,
-    8.0,
+    0.4,
+    3.0,
     4000.0,
 )  # of spheres that are searched; in circumradii
 
@@ -182,6 +183,22 @@ def has_tie(front, v, candidates, count):
     return False
 
 
+@inline
+def next_center(front, radius, k, v):
+    """The center, in radii ahead, of the next sphere to be searched: that of the apex so far, and some more.
+
+    Without an apex so far, and if the sphere is lost to rounding, the centers grow.
+    """
+    wider = k * CENTER_GROWTH
+    if v < 0:
+        return wider
+    place, xyz = front.corners, front.xyz
+    dx, dy, dz = xyz[v, 0] - place[0, 0], xyz[v, 1] - place[0, 1], xyz[v, 2] - place[0, 2]
+    high = dx * place[1, 0] + dy * place[1, 1] + dz * place[1, 2]
+    own = (dx * dx + dy * dy + dz * dz - radius * radius) / (2.0 * radius * high) if high > 0.0 else inf
+    return 1.05 * own + 0.05 if k < own < FARTHEST_CENTER else wider
+
+
 @apart
 def apex_by_sphere(front, row, candidates, counts):
     """The apex of a face, -1 for none, and whether another one would do; small spheres are searched first."""
@@ -196,7 +213,7 @@ def apex_by_sphere(front, row, candidates, counts):
         if not k < FARTHEST_CENTER or (v >= 0 and is_within(front, radius, k, v)):
             return v, v >= 0 and has_tie(front, v, candidates, count)
         counts[HIDDEN_APEXES] = hidden  # each is counted once
-        k *= CENTER_GROWTH
+        k = next_center(front, radius, k, v)
 
 
 @inline
