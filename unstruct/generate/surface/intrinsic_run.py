@@ -30,6 +30,7 @@ from ...connect.surface.intrinsic import IntrinsicTriangulation
 from ...connect.surface.tracing import Line
 from ...domain.given_surface import GivenSurface
 from ...mesh.mesh import Mesh
+from .own_crossings import OwnCrossings
 from .intrinsic_steps import Bounds, Queues, halve_sides, refine_triangles, worst_triangles
 
 __all__ = ["IntrinsicRun"]
@@ -71,6 +72,7 @@ class IntrinsicRun:
         self.found = IntrinsicTriangulation(Mesh(support.points, rows), support.features)
         self.found.delaunay()
         self.sine = 2.0 * float(sine(np.radians(min_angle)))
+        self.own = OwnCrossings(support)
         self.repaired = 0
         self.out_of_budget = False
         self.floor = 0.0

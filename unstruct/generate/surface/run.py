@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...connect.surface.complex import SurfaceComplex
-from ...connect.surface.halfedges import SURFACE_SLOTS, SURFACE_VERTICES
+from ...connect.surface.halfedges import SEAM_CURVES, SURFACE_SLOTS, SURFACE_VERTICES
 from ...geometry.embedded import meeting_pairs
 from ...geometry.support import Support
 from ...geometry.support_walk import WAITING_BOXES
@@ -16,10 +16,12 @@ from ...geometry.triangle_tree import TriangleTree
 from ...sizing.field import SizeField
 from .faceting import faceting
 from .flips import count_degrees, flip_pass
-from .lengths import collapse_pass, split_pass
-from .measuring import FLAT_TRIANGLE, TOO_FAR_OFF, faults_pass, grade_pass, lower_pass
+from .lengths import LONG_SHARE, collapse_pass, split_pass
+from .measuring import FLAT_TRIANGLE, TOO_FAR_OFF, crease_pass, faults_pass, grade_pass, lower_pass
 from .moves import move_pass, put_pass, settle_pass
+from .own_crossings import OwnCrossings
 from .shapes import COLLAPSES, FLIPS_DONE, SPLITS_DONE, RemeshWork
+from .seams import follow_sizes
 from .sharpest import mend_pass, sharpest_pass
 
 __all__ = ["ALLOWED", "KEPT_TO", "RemeshRun"]
@@ -73,6 +75,8 @@ class RemeshRun:
         self.faceting = faceting(support)
         self.short = False  # whether the budget did not suffice
         self.off = np.zeros(0, dtype=np.bool_)  # vertices that could not be moved onto the surface
+        self.own = OwnCrossings(support)
+        self.seams = bool((complex.sheets.curve >= SEAM_CURVES).any())
         self.refresh()
 
     @property
@@ -114,6 +118,8 @@ class RemeshRun:
 
     def split(self) -> None:
         """Split edges until all are short enough, or the budget is used up."""
+        if self.seams:
+            follow_sizes(self.complex, LONG_SHARE, self.budget - self.used)
         start = 0
         while start >= 0:
             room = self.room()
@@ -168,6 +174,7 @@ class RemeshRun:
         s = self.complex.sheets
         bound = np.full(len(s.at), np.inf)
         self.sweep(lower_pass, self.slots, bound)
+        self.sweep(crease_pass, self.slots, bound, LEAST_SHARE)
         s.cap[:] = np.minimum(bound, RELAXED * s.cap)
         return self.grade()
 
@@ -254,21 +261,27 @@ class RemeshRun:
         self.flip(False)
         self.sharpen(LEAST_TARGET)
 
-    def crossing(self) -> NDArray[np.int64]:
-        """Slots of triangles that meet others outside of common vertices and edges, without flat ones."""
+    def crossing(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Slots of triangles that meet others outside of common vertices and edges, without flat ones.
+
+        First those that a smaller size may help, then those that meet where the given surface does.
+        """
         taken = self.complex.taken()
         sound = np.flatnonzero(self.faults()[taken.slots] & FLAT_TRIANGLE == 0)
-        pairs = meeting_pairs(taken.points, np.ascontiguousarray(taken.triangles[sound]))
-        return taken.slots[sound[np.unique(pairs)]]
+        rows = np.ascontiguousarray(taken.triangles[sound])
+        pairs = meeting_pairs(taken.points, rows)
+        own = self.own.among(taken.points, rows, pairs)
+        slots = taken.slots[sound]
+        return slots[np.unique(pairs[~own])], slots[np.unique(pairs[own])]
 
-    def untangle(self, bar: Any) -> NDArray[np.int64]:
-        """Smaller sizes where triangles cross, until none do; those that still cross in the end."""
-        found, s = self.crossing(), self.complex.sheets
+    def untangle(self, bar: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Smaller sizes where triangles cross, but where the given surface does; `crossing` in the end."""
+        found = self.crossing()
         for _ in range(UNTANGLED):
-            if not len(found):
+            if not len(found[0]):
                 break
             s = self.complex.sheets
-            corners = np.unique(s.vertex[3 * found[:, None] + np.arange(3)])
+            corners = np.unique(s.vertex[3 * found[0][:, None] + np.arange(3)])
             s.cap[corners] = np.minimum(s.cap[corners], 0.5 * s.size[corners])
             self.grade()
             self.round()

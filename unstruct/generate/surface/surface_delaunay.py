@@ -20,7 +20,8 @@ from ...mesh.mesh import Mesh
 from ...sizing import as_size
 from .given_flips import Flipped, flip_given
 from .intrinsic_run import IntrinsicRun
-from .straightening import Straight, faulty_sides, straightened, too_far
+from .own_crossings import OWN_CROSSING
+from .straightening import Straight, faulty_sides, own_crossings, straightened, too_far
 
 __all__ = ["surface_delaunay"]
 
@@ -243,6 +244,7 @@ def _meshed(
     why[far] = "budget" if run.out_of_budget else "far: it stays too far from the surface"
     if fault:
         why[np.unique(faulty_sides(run, straight)[0] // 3)] = f"not embedded: {fault}"
+    why[own_crossings(run, straight)] = f"not embedded: {OWN_CROSSING}"
     bad = np.flatnonzero(why != "").astype(np.int32)
     return DomainMesh(
         straight.points, straight.triangles, origin=straight.origin, markers=markers,
@@ -251,6 +253,7 @@ def _meshed(
             "flips": run.found.counts["flips"],
             "inserted": int((straight.origin < 0).sum()),
             "repaired": run.repaired,
+            "own crossings": run.own.count,
         },
         figures=figures,
     )  # fmt: skip
