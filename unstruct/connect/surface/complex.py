@@ -132,7 +132,8 @@ class SurfaceComplex:
         fixed[self.master[n:]] = True
         still = fixed[self.master]
         kind[still], on[still] = CORNER, -1
-        on[np.bincount(self.master, minlength=n)[self.master] > 1] = SHARED
+        copied = np.bincount(self.master, minlength=n)[self.master] > 1
+        on[copied] = SHARED - self.master[copied]
         state = np.array([used, m, -1, -1, 0], dtype=np.int64)
         name = np.zeros(m, dtype=np.int32) if names is None else np.array(names, dtype=np.int32)
         xyz = np.array(points[self.master])
@@ -182,10 +183,11 @@ class SurfaceComplex:
         return np.where(known, self.master[np.where(known, vertices, 0)], vertices)
 
     def unite(self, vertices: NDArray[np.int64], masters: NDArray[np.int64]) -> None:
-        """Make corners copies of others, or of themselves."""
+        """Make corners copies of others, or first copies of themselves."""
         master = np.arange(max(int(vertices.max(initial=-1)) + 1, len(self.master)))
         master[: len(self.master)] = self.master
         master[vertices] = masters
+        self.sheets.on[vertices] = SHARED - masters
         self.master = master
 
     @property

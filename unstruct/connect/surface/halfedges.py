@@ -49,7 +49,7 @@ __all__ = [
 ]
 
 SMOOTH, ALONG_CURVE, CORNER = 0, 1, 2  # kinds of vertices
-SHARED = -2  # in place of a curve: corners of which there are copies in other sheets
+SHARED = -2  # minus the first copy, in place of a curve: corners of which there are copies in other sheets
 SEAM_CURVES = 1 << 24  # what is added to the number of a curve for edges that are never split
 
 # Entries of the state: how many vertices and slots of triangles have been used, the first free ones (-1 for
@@ -68,7 +68,8 @@ class Sheets(NamedTuple):
     kind : (n,) int8
         `SMOOTH`, `ALONG_CURVE` (inside a feature curve, or on a closed one) or `CORNER` (never moved).
     on : (n,) int32
-        The curve of a vertex of the kind `ALONG_CURVE`; `SHARED` for corners that have copies; else -1.
+        The curve of a vertex of the kind `ALONG_CURVE`; `SHARED` minus the number of the first copy for
+        corners that have copies; else -1.
     near : (n,) int64
         A triangle of the given surface near each vertex.
     size : (n,) float64
@@ -151,19 +152,41 @@ def edge_between(s, u, w):
             return -1
 
 
+@lean
+def _near_copy(s, x, w):
+    """Whether a vertex is joined to a copy of another one."""
+    start = first_corner(s, x)
+    c = start
+    while True:
+        if s.on[s.vertex[next_edge(c)]] == s.on[w]:
+            return True
+        last = c
+        c = turned(s.twin, c)
+        if c < 0:
+            return s.on[s.vertex[prev_edge(last)]] == s.on[w]
+        if c == start:
+            return False
+
+
+@inline
+def joined_to_copy(s, u, w):
+    """Whether an edge between two vertices might be there already, between copies of them.
+
+    Of two vertices that have copies, no edge is sure.
+    """
+    if s.on[u] <= SHARED:
+        return s.on[w] <= SHARED or _near_copy(s, w, u)
+    return s.on[w] <= SHARED and _near_copy(s, u, w)
+
+
 @inline
 def can_flip(s, e):
-    """Whether the surface stays a manifold with the same features if edge e is flipped.
-
-    No edge joins two vertices that have copies: there might be one between the copies.
-    """
+    """Whether the surface stays a manifold with the same features if edge e is flipped."""
     f = s.twin[e]
     if f < 0 or s.curve[e] >= 0:
         return False
     p, q = s.vertex[e], s.vertex[f]
-    if s.on[p] == SHARED and s.on[q] == SHARED:
-        return False
-    return p != q and edge_between(s, p, q) < 0
+    return p != q and edge_between(s, p, q) < 0 and not joined_to_copy(s, p, q)
 
 
 @lean
@@ -171,8 +194,8 @@ def can_collapse(s, e):
     """Whether the vertex u where e begins can be merged into its end w; its curve, if any, must be that of e.
 
     This is the link condition: the neighbors that u and w have in common are those opposite e, and what is
-    left is no pair of triangles back to back. Two features are never merged, and no new edge joins two
-    vertices that have copies.
+    left is no pair of triangles back to back. Two features are never merged, and no new edge joins vertices
+    whose copies are joined.
     """
     u, w, p, f = s.vertex[next_edge(e)], s.vertex[prev_edge(e)], s.vertex[e], s.twin[e]
     if s.kind[u] == CORNER or (s.kind[u] == ALONG_CURVE and s.curve[e] < 0):
@@ -203,19 +226,18 @@ def can_collapse(s, e):
             break
         if c == start:
             break
-    shared = s.on[w] == SHARED
     start = first_corner(s, u)
     c, around_u, open_u = start, 0, False
     while True:
         x = s.vertex[next_edge(c)]
-        if x != w and x != p and x != q and (s.mark[x] == stamp or (shared and s.on[x] == SHARED)):
+        if x != w and x != p and x != q and (s.mark[x] == stamp or joined_to_copy(s, w, x)):
             return False
         around_u += 1
         last = c
         c = turned(s.twin, c)
         if c < 0:
             x = s.vertex[prev_edge(last)]
-            if x != w and x != p and x != q and (s.mark[x] == stamp or (shared and s.on[x] == SHARED)):
+            if x != w and x != p and x != q and (s.mark[x] == stamp or joined_to_copy(s, w, x)):
                 return False
             open_u = True
             break

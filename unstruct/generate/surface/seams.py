@@ -12,7 +12,6 @@ from ...connect.surface.complex import SurfaceComplex
 from ...connect.surface.halfedges import (
     CORNER,
     SEAM_CURVES,
-    SHARED,
     SURFACE_SLOTS,
     edge_between,
     split_edge,
@@ -45,7 +44,7 @@ def _divide(sheets, pairs, start, points, made):
             m = split_edge(sheets, e)
             for k in range(3):
                 sheets.xyz[m, k] = points[j, k]
-            sheets.kind[m], sheets.on[m] = CORNER, SHARED
+            sheets.kind[m] = CORNER
             made[j] = m
 
 
@@ -109,7 +108,7 @@ def _halve_all(sheets, pairs, made):
     """Halve the edge of each pair of vertices, and write the new vertices, which are corners."""
     for i in range(pairs.shape[0]):
         m = split_edge(sheets, edge_between(sheets, pairs[i, 0], pairs[i, 1]))
-        sheets.kind[m], sheets.on[m] = CORNER, SHARED
+        sheets.kind[m] = CORNER
         made[i] = m
 
 
