@@ -289,7 +289,7 @@ def _held(
     start = np.searchsorted(rows.ravel()[order], np.arange(len(xyz) + 1))
     return Held(
         corners, rows, normals, start, order // 3, tree.low, tree.high, tree.order,
-        flat, chain, curves.low, curves.high, curves.order,
+        flat, chain, curves.low, curves.high, curves.order, np.zeros(len(rows), dtype=np.int64), 0.0,
     )  # fmt: skip
 
 

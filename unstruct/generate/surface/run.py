@@ -11,7 +11,7 @@ from ...connect.surface.complex import SurfaceComplex
 from ...connect.surface.halfedges import SEAM_CURVES, SURFACE_SLOTS, SURFACE_VERTICES
 from ...geometry.embedded import meeting_pairs
 from ...geometry.support import Support
-from ...geometry.support_walk import WAITING_BOXES
+from ...geometry.support_walk import WAITING_BOXES, strictly
 from ...geometry.triangle_tree import TriangleTree
 from ...sizing.field import SizeField
 from .faceting import faceting
@@ -67,7 +67,7 @@ class RemeshRun:
         self, support: Support, complex: SurfaceComplex, size: SizeField, deviation: float | None, budget: int
     ):
         self.support, self.complex, self.size, self.budget = support, complex, size, budget
-        self.deviation = deviation
+        self.deviation, self.held = deviation, strictly(support.held)
         self.counts = np.zeros(6, dtype=np.int64)
         self.x, self.place = np.zeros((4, 3)), np.zeros(6)
         self.stack = np.empty(WAITING_BOXES, dtype=np.int64)
@@ -85,7 +85,7 @@ class RemeshRun:
         sheets = self.complex.sheets
         return RemeshWork(
             sheets,
-            self.support.held,
+            self.held,
             self.x,
             np.zeros(3),
             np.zeros(3),
