@@ -38,6 +38,7 @@ __all__ = [
 FARTHEST_WALK = 24  # steps: from farther away a search in the tree is quicker
 ON_SIDE = 1e-7  # a point whose weight of a corner is less may lie on the opposite side, but for rounding
 MOST_AROUND = 24  # triangles at a vertex: from a vertex of more, a walk gives way to the tree
+FEW_EDGES = 12  # of a curve: all of them are looked at, without the tree
 NEAR_COSINE_SQUARED = 0.25  # 60 degrees
 WAITING_BOXES = 128  # boxes that wait; a tree of boxes is never half as deep
 
@@ -244,6 +245,26 @@ def nearest_rows(held, x, normals, which, places):
         places[q, 0], places[q, 1], places[q, 2] = place[0], place[1], place[2]
 
 
+@inline
+def _edges_of(chains, chain):
+    """The first edge of a chain and the one after its last: chains are sorted."""
+    low, high = 0, chains.shape[0]
+    while low < high:
+        middle = (low + high) // 2
+        if chains[middle] < chain:
+            low = middle + 1
+        else:
+            high = middle
+    first, high = low, chains.shape[0]
+    while low < high:
+        middle = (low + high) // 2
+        if chains[middle] <= chain:
+            low = middle + 1
+        else:
+            high = middle
+    return first, low
+
+
 @kernel
 def nearest_on_chain(held, x, q, chain, place, stack):
     """The feature edge of a chain that is nearest to x[q], -1 if there is none.
@@ -254,6 +275,16 @@ def nearest_on_chain(held, x, q, chain, place, stack):
     low, high, order = held.edge_low, held.edge_high, held.edge_order
     leaves, trial = low.shape[0] // 2, place[3:]
     best, found = np.inf, -1
+    first, last = _edges_of(held.chain, chain) if chain >= 0 else (0, 0)
+    step = 1 if last - first <= FEW_EDGES else (last - first) // FEW_EDGES  # a bound from the beginning
+    for e in range(first, last, step):
+        square = onto(x[q], held.edges[e], trial)
+        if square < best:
+            best, found = square, e
+            place[1] = trial[1] + trial[2]
+            place[0] = 1.0 - place[1]
+    if found >= 0 and step == 1:
+        return found
     stack[0], size = 1, 1
     while size > 0:
         size -= 1
