@@ -10,7 +10,16 @@ from numpy.typing import NDArray
 from ...base.jit import kernel
 from ...geometry.inside_shell import side_mates
 from ..insertion.halfedges import UNUSED, next_edge, prev_edge
-from .halfedges import ALONG_CURVE, CORNER, SEAM_CURVES, SHARED, SMOOTH, SURFACE_SLOTS, SURFACE_VERTICES, Sheets
+from .halfedges import (
+    ALONG_CURVE,
+    CORNER,
+    SEAM_CURVES,
+    SHARED,
+    SMOOTH,
+    SURFACE_SLOTS,
+    SURFACE_VERTICES,
+    Sheets,
+)
 
 __all__ = ["SurfaceComplex", "Taken"]
 

@@ -233,7 +233,11 @@ def flip_needles(
 
 
 def _flipped(
-    xyz: NDArray[np.float64], rows: NDArray[np.int32], kept: NDArray[np.int64], tolerance: float, shorter: bool
+    xyz: NDArray[np.float64],
+    rows: NDArray[np.int32],
+    kept: NDArray[np.int64],
+    tolerance: float,
+    shorter: bool,
 ) -> Flipped:
     gluing = glued(rows, len(xyz))
     flat, after = rows.ravel().astype(np.int64), rows[:, [1, 2, 0]].ravel().astype(np.int64)

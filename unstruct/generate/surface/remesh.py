@@ -88,11 +88,14 @@ def remesh(
         Triangles in space, turned as the given ones (those of a body outward). ``origin`` has the number of
         the given point for vertices that are in its place: corners of features are, always. ``markers`` are
         carried on. Triangles that are too far from the given surface, turned against it, flat, or that cross
-        others or miss the size are in ``unrefined``, with ``reasons``. ``counts``: "splits", "collapses",
+        others or miss the size, and those of less than ten degrees between creases, are in ``unrefined``, with
+        ``reasons``; crossings of the given surface itself have a reason of their own, and nothing is refined
+        there. ``counts``: "splits", "collapses",
         "flips", "moves", how many changes were "refused: too far" and "refused: turned over", "lowered" (the
         vertices where the size had to be lowered), "feature edges", and what was wrong with the given
         triangles ("equal points", "degenerate triangles", "repeated triangles", "turned triangles", "seams":
-        edges of more than two triangles). ``figures``: "deviation" (of all distances, both ways, the
+        edges of more than two triangles; "own crossings": pairs of given triangles that cross, where the mesh
+        does, too). ``figures``: "deviation" (of all distances, both ways, the
         largest), "feature deviation", "least angle" in degrees, "least size" (the smallest part of the
         wanted size to which it was lowered), and "sharp" as given, 0 for None.
 
@@ -108,8 +111,11 @@ def remesh(
     surface, and flips toward less sharp triangles; the sharpest are then improved one by one, up to 40
     degrees where possible. No operation turns a triangle over or changes the topology: each keeps the link
     condition. A collapse or flip that would leave the surface too far is refused. In the end triangles that
-    are too far are split, and an exact test finds those that cross others, where the size is halved. Names of
-    triangles do not move. Edges of more than two triangles are divided first and then fixed.
+    are too far are split, and an exact test finds those that cross others, where the size is halved, unless
+    the given surface crosses itself there. Between creases that are nearer to each other than 0.3 of the size
+    it is lowered to their distance, if an eighth of it suffices. Names of triangles do not move. Edges of
+    more than two triangles are divided first and fixed; they are halved where the size is lowered. Vertices
+    stay on their part of the surface, and with the normals of their sheet where a part crosses itself.
 
     Distances are measured at samples: they are lower bounds. O(n) in practice for n triangles, given and new.
     Sources: M. Botsch, L. Kobbelt, *A remeshing approach to multiresolution modeling* (SGP 2004); H. Hoppe et

@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...connect.insertion.halfedges import UNUSED
 from ...connect.surface.complex import SurfaceComplex
 from ...connect.surface.halfedges import SEAM_CURVES, SURFACE_SLOTS, SURFACE_VERTICES
+from ...geometry.edge_vectors import lengths
 from ...geometry.embedded import meeting_pairs
 from ...geometry.support import Support
 from ...geometry.support_walk import WAITING_BOXES, strictly
@@ -20,8 +22,8 @@ from .lengths import LONG_SHARE, collapse_pass, split_pass
 from .measuring import FLAT_TRIANGLE, TOO_FAR_OFF, crease_pass, faults_pass, grade_pass, lower_pass
 from .moves import move_pass, put_pass, settle_pass
 from .own_crossings import OwnCrossings
-from .shapes import COLLAPSES, FLIPS_DONE, SPLITS_DONE, RemeshWork
 from .seams import follow_sizes
+from .shapes import COLLAPSES, FLIPS_DONE, SPLITS_DONE, RemeshWork
 from .sharpest import mend_pass, sharpest_pass
 
 __all__ = ["ALLOWED", "KEPT_TO", "RemeshRun"]
@@ -43,6 +45,8 @@ LEAST_TARGET = 35.0  # the same where triangles were split because they were too
 LOOSE = 2.25  # the slack of rounds: the end mends what is left too far
 SETTLED = 0.002  # changes per vertex in a round after which no other follows
 MENDS = 5
+NEAR_CROSSING = 4.0  # sizes from crossings in which triangles are looked at again
+SEPARATIONS = 3  # times that sizes are lowered where creases are near each other
 UNTANGLED = 4  # times that sizes are halved where triangles cross
 NOT_NEARER = 2.0**-50  # in scaled coordinates, up to 1: what is allowed at least, for vertices are rounded
 PLACES_AT_ONCE = 1 << 17  # places that a kernel looks at in one call
@@ -174,8 +178,17 @@ class RemeshRun:
         s = self.complex.sheets
         bound = np.full(len(s.at), np.inf)
         self.sweep(lower_pass, self.slots, bound)
-        self.sweep(crease_pass, self.slots, bound, LEAST_SHARE)
         s.cap[:] = np.minimum(bound, RELAXED * s.cap)
+        return self.grade()
+
+    def separate(self) -> bool:
+        """Lower sizes where creases are near each other; whether there is such a place."""
+        s = self.complex.sheets
+        bound = np.full(len(s.at), np.inf)
+        self.sweep(crease_pass, self.slots, bound, LEAST_SHARE)
+        if not (bound < s.cap).any():
+            return False
+        s.cap[:] = np.minimum(bound, s.cap)
         return self.grade()
 
     def grade(self) -> bool:
@@ -204,19 +217,35 @@ class RemeshRun:
         self.collapse()
         self.flip(False)
 
-    def finish(self) -> None:
-        """Moves and flips alone, and then whatever makes the sharpest triangles less sharp."""
+    def finish(self, around: Array | None = None) -> None:
+        """Moves and flips alone, and then whatever makes the sharpest triangles less sharp.
+
+        If there are points ``around`` (k, 3), only triangles near them are looked at in the end.
+        """
         for _ in range(4):
             self.move()
             self.flip(False)
-        for degrees in TARGETS:
-            self.sharpen(degrees)
+        tried = np.zeros(len(self.complex.sheets.name), dtype=np.bool_)
+        if around is not None:
+            tried[: self.slots] = ~self.near(around)
+        for degrees in TARGETS:  # what has not helped a triangle does not for the next target either
+            self.sharpen(degrees, tried)
         self.refresh()
 
-    def sharpen(self, degrees: float) -> None:
-        """Change triangles with angles of fewer degrees."""
+    def near(self, places: Array) -> NDArray[np.bool_]:
+        """The slots of triangles near some points, in units of the size there."""
+        s = self.complex.sheets
+        rows = s.vertex[: 3 * self.slots].reshape(-1, 3)
+        middle = s.xyz[np.maximum(rows, 0)].mean(axis=1)
+        which, _ = TriangleTree(places[:, None].repeat(3, axis=1)).nearest(middle)
+        reach = NEAR_CROSSING * self.asked(np.maximum(rows[:, 0], 0).astype(np.int64))
+        return (rows[:, 0] != UNUSED) & (lengths(middle - places[which]) <= reach)
+
+    def sharpen(self, degrees: float, tried: NDArray[np.bool_] | None = None) -> None:
+        """Change triangles with angles of fewer degrees; not those that were ``tried`` already."""
         target = float(np.sin(np.deg2rad(degrees))) ** 2
-        tried = np.zeros(len(self.complex.sheets.name), dtype=np.bool_)
+        if tried is None:
+            tried = np.zeros(len(self.complex.sheets.name), dtype=np.bool_)
         for _ in range(SHARP_SWEEPS):
             if self.sweep(sharpest_pass, self.slots, target, tried) == 0:
                 return
@@ -283,9 +312,10 @@ class RemeshRun:
             s = self.complex.sheets
             corners = np.unique(s.vertex[3 * found[0][:, None] + np.arange(3)])
             s.cap[corners] = np.minimum(s.cap[corners], 0.5 * s.size[corners])
+            places = s.xyz[corners]
             self.grade()
             self.round()
-            self.finish()
+            self.finish(places)
             self.settle()
             bar.update()
             found = self.crossing()
@@ -318,6 +348,13 @@ class RemeshRun:
                 break
         self.slack = 1.0
         self.finish()
+        for _ in range(SEPARATIONS):  # only now no other vertices are left between creases
+            if not self.separate():
+                break
+            self.round()
+            self.round()
+            self.finish()
+            bar.update()
         for _ in range(MENDS):
             fault = self.faults() | self.farther()
             if not (fault & TOO_FAR_OFF).any():
