@@ -88,9 +88,9 @@ def remesh(
         Triangles in space, turned as the given ones (those of a body outward). ``origin`` has the number of
         the given point for vertices that are in its place: corners of features are, always. ``markers`` are
         carried on. Triangles that are too far from the given surface, turned against it, flat, or that cross
-        others or miss the size, and those of less than ten degrees between creases, are in ``unrefined``, with
-        ``reasons``; crossings of the given surface itself have a reason of their own, and nothing is refined
-        there. ``counts``: "splits", "collapses",
+        others or miss the size, and those of less than ten degrees between creases, are in ``unrefined``,
+        with ``reasons``; crossings of the given surface itself have a reason of their own, and nothing is
+        refined there. ``counts``: "splits", "collapses",
         "flips", "moves", how many changes were "refused: too far" and "refused: turned over", "lowered" (the
         vertices where the size had to be lowered), "feature edges", and what was wrong with the given
         triangles ("equal points", "degenerate triangles", "repeated triangles", "turned triangles", "seams":

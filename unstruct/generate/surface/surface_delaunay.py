@@ -70,8 +70,8 @@ def surface_delaunay(
     -------
     DomainMesh
         Triangles in space. ``origin``: the given vertex or -1. ``markers``: names of facets, values of cells,
-        and names of edges. ``counts``: "flips", "inserted", "own crossings" (pairs of given triangles that cross,
-        where the mesh does, too), and how many triangles fail which criterion ("not
+        and names of edges. ``counts``: "flips", "inserted", "own crossings" (pairs of given triangles that
+        cross, where the mesh does, too), and how many triangles fail which criterion ("not
         plane-centered", "not intrinsic" in edges). ``figures``: "deviation", the larger of the distances
         measured both ways, and "sharp" as given, 0 for None. ``unrefined`` lists, without new vertices, the
         triangles whose plane-centered sphere has a vertex inside, with the reason: there need be no
