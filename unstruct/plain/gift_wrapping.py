@@ -1,4 +1,4 @@
-"""Delaunay triangulation of given points, face by face (section 2.2 of the book).
+"""Delaunay triangulation of given points, face by face (section 2.2a of the book).
 
 A face is a tuple of d vertex numbers; its *free side* is where ``orient(face + apex) > 0``. The front is
 the list of faces whose free side still waits for a cell.

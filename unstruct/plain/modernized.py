@@ -1,4 +1,4 @@
-"""Insertion into an arbitrary triangulation: Baker's form of Bowyer-Watson (section 2.2 of the book).
+"""Insertion into an arbitrary triangulation: Baker's form of Bowyer-Watson (section 2.2b of the book).
 
 A triangulation is a set of cells, a cell a tuple of d + 1 vertex numbers in positive orientation. It
 covers the convex hull of its vertices, but need not be Delaunay: so the cells whose spheres hold the new

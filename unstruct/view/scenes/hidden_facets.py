@@ -68,5 +68,5 @@ def hidden_facet_state(place: float = 0.5, seen_from: float = -100.0) -> fr.Fram
     ]
     named = [" ".join(map(str, sorted(face))) for face in faces]
     caption = "all facets are seen" if not named else f"hidden from P: {', '.join(named)}"
-    number = f"cells of the component = {len(component)}, hidden facets = {len(faces)}, replaced = {len(gone)}"
+    number = f"component = {len(component)}, hidden facets = {len(faces)}, replaced = {len(gone)}"
     return space_frame(scene, caption, number=number, azimuth=seen_from, elevation=15)

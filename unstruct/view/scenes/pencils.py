@@ -67,7 +67,7 @@ def pencil_state(offset: float = 0.0, preset: str = "five points") -> fr.Frame:
         fr.circles("circumcircle", [(0, offset)], [np.sqrt(1.0 + offset * offset)]),
         fr.segments("front", [PENCIL_ENDS]),
         fr.dots("voronoi", axis),
-        fr.labels("voronoi", axis, [name for name, seen in zip(letters, shown) if seen]),
+        fr.labels("voronoi", axis - [0.42, 0.12], [name for name, seen in zip(letters, shown) if seen]),
         fr.dots("vertex", np.vstack([PENCIL_ENDS, rows[~inside]])),
         fr.dots("bad", rows[inside]),
         fr.labels("vertex", np.vstack([PENCIL_ENDS, rows]), "AB" + names),
