@@ -66,7 +66,7 @@ def for_sphinx(text: str) -> str:
     (which Sphinx then checks), numbered equations, boxes."""
     text = re.sub(r"^> \*\*Source\.\*\*(?:.*\n?)(?:^>.*\n?)*", boxed, text, flags=re.M)
     text = re.sub(
-        rf'^((?:> ?)*)<a id="((?:{NUMBERED})-[\w-]+)"></a>[ ]*\n?', r"\1(\2)=\n\1", text, flags=re.M
+        rf'^((?:> ?)*)<a id="((?:{NUMBERED})-[\w-]+)"></a>[ ]*(?:\n\1)?', r"\1(\2)=\n\1", text, flags=re.M
     )
     text = re.sub(rf"\]\([\w.-]*#((?:{NUMBERED})-[\w-]+)\)", r"](#\1)", text)
     return re.sub(r"^((?:> ?)*)\$\$(.+?)\$\$$", displayed, text, flags=re.M | re.S)
