@@ -19,7 +19,7 @@ __all__ = ["HIDING_CELLS", "HIDING_POINTS", "hidden_facet_state", "hiding_mesh",
 
 HIDING_POINTS = ((0, 0, 1), (0, 1, 0), (3, 2, 1), (3, 2, 2), (1, 3, 3), (1, 2, 2))
 HIDING_CELLS = ((0, 1, 2, 3), (0, 1, 3, 5), (0, 1, 4, 5), (0, 3, 4, 5), (1, 2, 3, 4), (1, 3, 4, 5))
-FIRST_PLACE, LAST_PLACE = 0.05, 0.95
+FIRST_OF_P, LAST_OF_P = 0.05, 0.95
 
 
 @lru_cache(maxsize=1)
@@ -49,7 +49,7 @@ def hidden_facet_state(place: float = 0.5, seen_from: float = -100.0) -> fr.Fram
     dict
         A frame; its number counts the cells of the component, hidden facets, and the cells that are kept.
     """
-    within("place", place, FIRST_PLACE, LAST_PLACE)
+    within("place", place, FIRST_OF_P, LAST_OF_P)
     mesh, p = hiding_mesh(), hiding_place(place)
     component = cavities(mesh, p).gamma_component
     hidden = hidden_facets(mesh, component, p)
