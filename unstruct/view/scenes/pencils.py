@@ -15,8 +15,8 @@ __all__ = ["PENCILS", "pencil_state"]
 PENCILS: dict[str, list[tuple[float, float]]] = {
     "five points": [(0.5, 1.5), (-1.25, 1.0), (0.0, 2.5), (0.25, -1.0), (-1.0, -1.75)],
     "no empty circle": [(0.25, 0.75), (0.5, 2.0), (-0.25, -0.75)],
-    "nasty: a point between A and B": [(0.25, 0.0), (0.5, 2.0), (-0.5, -1.5)],
-    "nasty: three on one circle": [(1.0, 1.0), (-1.0, 1.0), (0.5, 1.5), (0.0, -1.25)],
+    "nasty: a point on AB": [(0.25, 0.0), (0.5, 2.0), (-0.5, -1.5)],
+    "nasty: three on a circle": [(1.0, 1.0), (-1.0, 1.0), (0.5, 1.5), (0.0, -1.25)],
 }
 PENCIL_ENDS = np.array([(-1.0, 0.0), (1.0, 0.0)])
 PENCIL_WINDOW = [-2.7, 2.7, -2.5, 2.9]
