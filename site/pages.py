@@ -93,14 +93,19 @@ def displayed(formula: re.Match[str]) -> str:
     return "\n".join(lead + line for line in lines)
 
 
-def contents(names: list[str]) -> str:
-    """The table of contents that makes the site's navigation: chapters by number, then the other pages."""
+def groups(names: list[str]) -> list[tuple[str, list[str]]]:
+    """The pages in their order, but for the front page: chapters by number, then the others."""
     chapters = [name for name in names if name[0].isdigit()]
     others = [name for name in BACK if name in names]
     tasks = [name for name in HOW_TO if name in names]
     others += [name for name in names if name not in [FRONT, *chapters, *tasks, *others]]
+    return [("Chapters", chapters), ("How to", tasks), ("Beside the chapters", others)]
+
+
+def contents(names: list[str]) -> str:
+    """The table of contents that makes the site's navigation."""
     trees = []
-    for caption, group in (("Chapters", chapters), ("How to", tasks), ("Beside the chapters", others)):
+    for caption, group in groups(names):
         if group:
             trees.append("\n".join(["```{toctree}", ":hidden:", f":caption: {caption}", "", *group, "```"]))
     return "\n\n".join(trees)

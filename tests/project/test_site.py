@@ -108,7 +108,7 @@ def test_no_equation_of_a_statement_is_quoted_twice(site: Path) -> None:
         assert not re.search(r"<blockquote[^>]*>(?:(?!</blockquote>).)*<blockquote", text, re.S), path.stem
         quoted = re.findall(r"<blockquote[^>]*>(.*?)</blockquote>", text, re.S)
         equations += sum(len(re.findall(r'amsmath[^>]*id="equation-', part)) for part in quoted)
-    assert equations > 10
+    assert equations >= 4
 
 
 def test_statements_boxes_and_solutions_of_new_chapters(skeleton_site: Path) -> None:
