@@ -50,10 +50,17 @@ from .scenes.fronts import front_frames as front_frames
 from .scenes.fronts import front_length as front_length
 from .scenes.fronts import fronts_of as fronts_of
 from .scenes.gaps import gap_state as gap_state
+from .scenes.hidden_facets import HIDING_CELLS as HIDING_CELLS
+from .scenes.hidden_facets import HIDING_POINTS as HIDING_POINTS
+from .scenes.hidden_facets import hidden_facet_state as hidden_facet_state
+from .scenes.hidden_facets import hiding_place as hiding_place
 from .scenes.histories import baker_frames as baker_frames
 from .scenes.histories import flip_frames as flip_frames
 from .scenes.histories import gift_wrap_frames as gift_wrap_frames
 from .scenes.histories import insertion_frames as insertion_frames
+from .scenes.pencils import PENCIL_WINDOW as PENCIL_WINDOW
+from .scenes.pencils import PENCILS as PENCILS
+from .scenes.pencils import pencil_state as pencil_state
 from .scenes.prism_frames import GROOVE_NAMES as GROOVE_NAMES
 from .scenes.prism_frames import groove as groove
 from .scenes.prism_frames import groove_frames as groove_frames
