@@ -47,33 +47,35 @@ class Step:
 
 
 def radius(f: float, p: float, q: float) -> float:
-    """The radius (2.6c.1) of the circle AXB: f, but not below p, and not above that of circle AFB."""
+    """The radius (2.6c.1) of the circle AXB: f, but not below p and not above the cap."""
     return min(max(f, p), cap(p, q))
 
 
 def cap(p: float, q: float) -> float:
-    """The radius of the circle through A, B and F; never below p, since 2 q cap = (p - q)^2 + 2 p q."""
+    """The radius of the circle through A, B and F."""
     return (p * p + q * q) / (2 * q)
 
 
 def distance(r: float, p: float) -> float:
-    """The distance (2.6c.2) of X from M: the farther of the two points on the bisector and the circle."""
+    """The distance (2.6c.2) of the farther point of the bisector on the circle from M."""
     return r + sqrt(max(r * r - p * p, 0.0))
 
 
-def step(a: Any, b: Any, d: Any, f: float, c: Any = None, *, clamp: bool = True) -> Step:
-    """The new point for the edge AB, the triangle ADB beyond it, and the wanted circumradius f.
+def step(
+    a: Any, b: Any, d: Any, f: float, c: Any = None, *, clamp: bool = True
+) -> Step:  # fmt: skip
+    """The new point for the edge AB, the triangle ADB, and the wanted radius f.
 
     Parameters
     ----------
     a, b, d : two numbers each
-        The edge and the far corner of the triangle that is not accepted, on either side of AB.
+        The edge and the far corner of the waiting triangle, on either side of AB.
     f : float
         The wanted circumradius, positive.
     c : two numbers, optional
-        The far corner of the accepted triangle; needed for nothing but its circumcenter.
+        The far corner of the accepted triangle, needed only for its circumcenter.
     clamp : bool
-        Stop at F. Without it X is where (2.6c.2) puts it, which for q < p may be beyond F.
+        Stop at F. Without it X is at the distance d, for q < p beyond F.
 
     Raises
     ------

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -14,11 +15,11 @@ from .player import Player
 
 __all__ = ["rebay_cobweb", "rebay_step"]
 
-CORNERS = {  # of the accepted triangle, by the preset whose corner C it is
+STEP_CORNERS = {  # of the accepted triangle, by the preset whose corner C it is
     "acute at C": "a short edge: p < f",
     "nasty: obtuse at C": "nasty: AB is deleted",
 }
-FACTORS = (0.69, 0.75, 0.8, 0.85, 0.88, 0.9, 0.95, 1.0, 1.05, 1.15, 1.25)  # of f along a chain
+WEB_FACTORS = (0.69, 0.75, 0.8, 0.85, 0.88, 0.9, 0.95, 1.0, 1.05, 1.15, 1.25)  # of f along a chain
 
 
 def rebay_step() -> Player:
@@ -26,7 +27,11 @@ def rebay_step() -> Player:
     alt = (
         "An accepted triangle ABC, the triangle ADB below it, their circles and centers, and the new point X."
     )
-    grid = {"ABC": list(CORNERS), "f": _steps(*F_RANGE, 0.1), "q": _steps(*Q_RANGE, 0.1)}
+    grid: dict[str, Sequence[Any]] = {
+        "ABC": list(STEP_CORNERS),
+        "f": _steps(*F_RANGE, 0.1),
+        "q": _steps(*Q_RANGE, 0.1),
+    }
     labels = {"f": "wanted radius f", "q": "q, from M to F"}
     return panel(by_corner, grid, alt=alt, start={"f": 1.1, "q": 1.8}, labels=labels)
 
@@ -45,14 +50,14 @@ def rebay_cobweb(measured: Sequence[Sequence[float]] = ()) -> Player:
     Player
     """
     alt = "The curve from one deviation to the next, the diagonal, and the cobweb of a chain of edges."
-    grid = {"growth": FACTORS, "start": _steps(*START, 0.05)}
+    grid: dict[str, Sequence[Any]] = {"growth": WEB_FACTORS, "start": _steps(*START, 0.05)}
     labels = {"growth": "f times", "start": "first p / f"}
     state = partial(cobweb_state, measured=measured)
     return panel(state, grid, alt=alt, start={"growth": 1.0, "start": 0.55}, labels=labels)
 
 
 def by_corner(ABC: str, f: float, q: float) -> fr.Frame:
-    return voronoi_segment_state(f, q, CORNERS[ABC])
+    return voronoi_segment_state(f, q, STEP_CORNERS[ABC])
 
 
 def _steps(low: float, high: float, step: float) -> list[float]:
