@@ -1,7 +1,7 @@
 """Two proofs of section 2.5 step by step: along a line of sight, and around a point that sees everything.
 
-`sight_history` walks from a place in a triangle to a vertex, and shows the power of the vertex with respect to
-the circle of each triangle on the way. `fan_history` visits a cavity, triangle after triangle, and shows that
+`sight_history` walks from a place in a triangle to a vertex, and shows the power of the vertex with respect
+to the circle of each triangle on the way. `fan_history` visits a cavity, triangle after triangle, and shows that
 the triangles from the point to the boundary edges fill what has been visited.
 """
 
@@ -68,9 +68,8 @@ def sight_history(preset: str = "a clear view") -> list[fr.Frame]:
         fr.labels("inserted", [goal], "q"),
         fr.labels("front", [start], "X"),
     ]
-    made = [
-        fr.frame("X is in a triangle; q is a vertex", *base, fr.segments("voronoi", [(start, goal)]), *over)
-    ]
+    line = fr.segments("voronoi", [(start, goal)])
+    made = [fr.frame("X is in a triangle; q is a vertex", *base, line, *over)]
     way = _way(rows, cells, start, given["to"])
     before = None
     for k, t in enumerate(way):
