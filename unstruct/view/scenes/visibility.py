@@ -1,8 +1,8 @@
 """Two proofs of section 2.5 step by step: along a line of sight, and around a point that sees everything.
 
 `sight_history` walks from a place in a triangle to a vertex, and shows the power of the vertex with respect
-to the circle of each triangle on the way. `fan_history` visits a cavity, triangle after triangle, and shows that
-the triangles from the point to the boundary edges fill what has been visited.
+to the circle of each triangle on the way. `fan_history` visits a cavity, triangle after triangle: what has been
+visited is filled by the triangles from the point to its boundary edges.
 """
 
 from __future__ import annotations
@@ -59,10 +59,12 @@ def sight_history(preset: str = "a clear view") -> list[fr.Frame]:
     rows, cells = np.array(given["points"], dtype=float), given["cells"]
     start, goal = np.array(given["from"]), rows[given["to"]]
     walls = {frozenset(pair) for pair in given["segments"]}
+    others = [v for v in range(len(rows)) if v != given["to"]]
     base = [fr.polygons("cell", rows[np.array(cells)])]
     over = [
         fr.segments("constrained", rows[np.array(given["segments"], int).reshape(-1, 2)]),
-        *fr.numbered(rows),
+        fr.dots("vertex", rows),
+        fr.labels("vertex", rows[others], others),
         fr.dots("inserted", goal),
         fr.dots("front", start),
         fr.labels("inserted", [goal], "q"),
