@@ -123,6 +123,10 @@ from .scenes.trees import search_frames as search_frames
 from .scenes.twisted_prism import TWISTED_WALLS as TWISTED_WALLS
 from .scenes.twisted_prism import twisted_prism as twisted_prism
 from .scenes.twisted_prism import twisted_prism_state as twisted_prism_state
+from .scenes.visibility import FANS as FANS
+from .scenes.visibility import SIGHTS as SIGHTS
+from .scenes.visibility import fan_history as fan_history
+from .scenes.visibility import sight_history as sight_history
 from .scenes.wedge_states import WEDGES as WEDGES
 from .scenes.wedge_states import wedge_coefficients as wedge_coefficients
 from .scenes.wedge_states import wedge_state as wedge_state
