@@ -36,14 +36,11 @@ OLD_FORM = (
     "1-",
     "2.0",
     "2.1",
-    "2.2",
     "2.3",
     "2.4a",
     "2.4b",
-    "2.5",
     "2.6a",
     "2.6b",
-    "2.6c",
     "2.6d",
 )
 NEW_CHAPTERS = [path for path in chapters() if not path.name.startswith(OLD_FORM)]

@@ -82,7 +82,7 @@ def test_there_is_a_book() -> None:
     assert pages <= names, f"missing pages: {sorted(pages - names)}"
     for section in (
         "1-",
-        *(f"2.{n}-" for n in ("0", "1", "2", "3", "4a", "4b", "5", "6a", "6b", "6c", "6d", "7", "8a")),
+        *(f"2.{n}-" for n in ("0", "1", "2a", "2b", "3", "4a", "4b", "5", "6a", "6b", "6c", "6d", "7", "8a")),
         "2.8c-",
         *(f"3.{n}-" for n in ("1", "2", "3", "4", "5")),
         "4a-",

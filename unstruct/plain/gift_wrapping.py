@@ -1,4 +1,4 @@
-"""Delaunay triangulation of given points, face by face (section 2.2 of the book).
+"""Delaunay triangulation of given points, face by face (section 2.2a of the book).
 
 A face is a tuple of d vertex numbers; its *free side* is where ``orient(face + apex) > 0``. The front is
 the list of faces whose free side still waits for a cell.
@@ -58,11 +58,11 @@ def gift_wrap(points: Points) -> list[Cell]:
 
 
 def wrap(points: Points) -> Iterator[Step]:
-    """Take the face that has waited longest, find its apex, and update the front; until none waits."""
+    """Take the face that has waited longest, find its apex, until none waits."""
     start = first_simplex(points)
     rank = {v: (v not in start, v) for v in range(len(points))}
     face = start[:-1]
-    front = {canonical(face): None, canonical(turned(face)): None}  # a dict keeps the order
+    front = {canonical(face): None, canonical(turned(face)): None}  # in this order
     while front:
         face = next(iter(front))
         q = apex(points, rank, face)
@@ -71,7 +71,7 @@ def wrap(points: Points) -> Iterator[Step]:
             yield Step(face, None, tuple(front))
             continue
         cell = (*face, q)
-        for outer in facets(cell):  # a face that waits is met, or a new one waits on its other side
+        for outer in facets(cell):  # one that waits is met, or a new one waits
             if turned_canonical(outer) in front:
                 del front[turned_canonical(outer)]
             else:
@@ -80,7 +80,7 @@ def wrap(points: Points) -> Iterator[Step]:
 
 
 def apex(points: Points, rank: dict[int, Any], face: Face) -> int | None:
-    """The vertex on the free side whose sphere with the face holds no other vertex there."""
+    """The vertex on the free side whose sphere holds no other vertex there."""
     best = None
     for q in range(len(points)):
         if orient([points[v] for v in (*face, q)]) > 0:
@@ -90,9 +90,9 @@ def apex(points: Points, rank: dict[int, Any], face: Face) -> int | None:
 
 
 def inside(points: Points, rank: dict[int, Any], cell: Cell, q: int) -> int:
-    """The in-sphere sign; on the sphere, the sign for the infinitesimally moved lifted points, never 0."""
+    """The in-sphere sign; on the sphere, that of infinitesimally lifted points."""
     sign = in_sphere([points[v] for v in cell], points[q])
-    for v in sorted((*cell, q), key=rank.__getitem__, reverse=True):  # the largest e decides first
+    for v in sorted((*cell, q), key=rank.__getitem__, reverse=True):  # by e
         if sign:
             break
         if v == q:

@@ -1,4 +1,4 @@
-"""Insertion into an arbitrary triangulation: Baker's form of Bowyer-Watson (section 2.2 of the book).
+"""Insertion into an arbitrary triangulation: Baker's form of Bowyer-Watson (section 2.2b of the book).
 
 A triangulation is a set of cells, a cell a tuple of d + 1 vertex numbers in positive orientation. It
 covers the convex hull of its vertices, but need not be Delaunay: so the cells whose spheres hold the new
@@ -34,7 +34,13 @@ class Step:
     cells: frozenset[Cell]  # all cells afterwards
 
 
-def insert(points: Points, cells: Iterable[Cell], vertex: int, *, reduce: bool = True) -> Step:
+def insert(
+    points: Points,
+    cells: Iterable[Cell],
+    vertex: int,
+    *,
+    reduce: bool = True,
+) -> Step:
     """Insert one vertex into any triangulation of the convex hull of other vertices.
 
     Raises
@@ -49,7 +55,7 @@ def insert(points: Points, cells: Iterable[Cell], vertex: int, *, reduce: bool =
     cells = frozenset(tuple(cell) for cell in cells)
     holders = frozenset(cell for cell in cells if holds(exact, cell, vertex))
     if not holders:
-        raise InputError(f"vertex {vertex} lies outside the triangulation: choose a point of the hull")
+        raise InputError(f"vertex {vertex} is outside: choose a point of the hull")
     if any(exact[v] == exact[vertex] for cell in holders for v in cell):
         return Step(vertex, nothing, nothing, nothing, (), nothing, nothing, cells)
     cavity = generalized_cavity(exact, cells, vertex)
@@ -57,11 +63,13 @@ def insert(points: Points, cells: Iterable[Cell], vertex: int, *, reduce: bool =
     dropped: list[tuple[Cell, Facet]] = []
     while behind := hidden(exact, cells, kept, vertex):
         if not reduce:
-            raise MeshError(f"facet {sorted(behind[0][1])} is hidden from vertex {vertex}: allow reduction")
+            what = f"facet {sorted(behind[0][1])} is hidden from vertex {vertex}"
+            raise MeshError(f"{what}: allow reduction")
         dropped.append(behind[0])
         kept = principal_component(kept - {behind[0][0]}, holders)
     new = star(exact, kept, vertex)
-    return Step(vertex, holders, cavity, component, tuple(dropped), kept, new, (cells - kept) | new)
+    done = (cells - kept) | new
+    return Step(vertex, holders, cavity, component, tuple(dropped), kept, new, done)
 
 
 def holds(points: Points, cell: Cell, vertex: int) -> bool:
@@ -74,12 +82,16 @@ def generalized_cavity(points: Points, cells: Iterable[Cell], vertex: int) -> fr
     return frozenset(c for c in cells if in_sphere([points[v] for v in c], points[vertex]) > 0)
 
 
-def principal_component(cavity: Iterable[Cell], holders: Iterable[Cell]) -> frozenset[Cell]:
-    """The cells that can be reached from the holders through facets, without leaving the cavity."""
+def principal_component(
+    cavity: Iterable[Cell],
+    holders: Iterable[Cell],
+) -> frozenset[Cell]:
+    """The cells of the cavity that are reached from the holders through facets."""
     cavity, reached = set(cavity), set(holders)
     while True:
         facets = {frozenset(cell) - {v} for cell in reached for v in cell}
-        more = {c for c in cavity - reached if any(frozenset(c) - {v} in facets for v in c)}
+        rest = cavity - reached
+        more = {c for c in rest if any(frozenset(c) - {v} in facets for v in c)}
         if not more:
             return frozenset(reached)
         reached |= more

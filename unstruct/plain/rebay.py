@@ -30,6 +30,7 @@ Points = Sequence[Sequence[Any]]
 Triangle = tuple[int, int, int]
 Edge = tuple[int, int]
 Size = Callable[[Point], float]
+Found = tuple[Edge, Triangle | None, Step, frozenset[Triangle], list[Edge]]
 
 
 @dataclass(frozen=True)
@@ -48,9 +49,13 @@ class Insertion:
 
 
 def voronoi_segment(
-    points: Points, segments: Iterable[Edge], f: Size, accept: float = 1.35, limit: int = 10_000
+    points: Points,
+    segments: Iterable[Edge],
+    f: Size,
+    accept: float = 1.35,
+    limit: int = 10_000,
 ) -> Iterator[Insertion]:
-    """Insert points on Voronoi segments until no triangle waits at the front, or each has been refused.
+    """Insert points on Voronoi segments until no triangle at the front has one.
 
     Parameters
     ----------
@@ -63,26 +68,32 @@ def voronoi_segment(
     limit : int
         At most so many new points.
     """
-    have, (cells, fixed) = [(float(x), float(y)) for x, y in points], start(points, segments)
+    have = [(float(x), float(y)) for x, y in points]
+    cells, fixed = start(points, segments)
     refused: set[Triangle] = set()
     while len(have) < len(points) + limit:
         accepted = {cell for cell in cells if is_accepted(have, cell, f, accept)}
-        front = [c for c in cells - accepted - refused if active_edges(have, cells, fixed, accepted, c)]
+        left = cells - accepted - refused
+        front = [c for c in left if active_edges(have, cells, fixed, accepted, c)]
         if not front:
             return
-        worst = max(front, key=lambda cell: (circumradius(have, cell) / f(centroid(have, cell)), cell))
+        worst = max(front, key=lambda cell: (badness(have, cell, f), cell))
         found = next_point(have, cells, fixed, accepted, worst, f)
         if found is None:
             refused.add(worst)
             continue
         edge, beyond, got, gone, rim = found
-        have = [*have, got.point]  # type: ignore[list-item]  # next_point gives no step without a point
+        have = [*have, got.point]  # type: ignore[list-item]  # it has a point
         star = frozenset(triangle(u, v, len(have) - 1) for u, v in rim)
         cells = cells - gone | star
-        yield Insertion(edge, worst, beyond, got, len(have) - 1, gone, star, have, cells)
+        number = len(have) - 1
+        yield Insertion(edge, worst, beyond, got, number, gone, star, have, cells)
 
 
-def start(points: Points, segments: Iterable[Edge]) -> tuple[frozenset[Triangle], set[frozenset[int]]]:
+def start(
+    points: Points,
+    segments: Iterable[Edge],
+) -> tuple[frozenset[Triangle], set[frozenset[int]]]:
     """The constrained Delaunay triangles inside the region, and the fixed edges."""
     segments = [(int(a), int(b)) for a, b in segments]
     cells, parts = constrained_delaunay(points, segments)
@@ -102,7 +113,7 @@ def active_edges(
     accepted: set[Triangle],
     cell: Triangle,
 ) -> list[tuple[Edge, Triangle | None]]:
-    """The edges that part a waiting triangle from an accepted one or from the outside, shortest first."""
+    """The active edges of a triangle with their neighbors, shortest first."""
     neighbor = {edge: c for c in cells for edge, _ in corners(c)}
     found = []
     for (u, v), _ in corners(cell):
@@ -113,16 +124,22 @@ def active_edges(
 
 
 def next_point(
-    points: Points, cells: frozenset[Triangle], fixed: set[frozenset[int]], accepted: set[Triangle],
-    cell: Triangle, f: Size,
-) -> tuple[Edge, Triangle | None, Step, frozenset[Triangle], list[Edge]] | None:  # fmt: skip
-    """The first active edge of a triangle whose point can be inserted, with its cavity; None if none can."""
+    points: Points,
+    cells: frozenset[Triangle],
+    fixed: set[frozenset[int]],
+    accepted: set[Triangle],
+    cell: Triangle,
+    f: Size,
+) -> Found | None:
+    """The first active edge whose point can be inserted, with its cavity."""
     for (a, b), beyond in active_edges(points, cells, fixed, accepted, cell):
         d = next(iter(set(cell) - {a, b}))
         c = None if beyond is None else points[next(iter(set(beyond) - {a, b}))]
-        middle = ((points[a][0] + points[b][0]) / 2, (points[a][1] + points[b][1]) / 2)
-        got = step(points[a], points[b], points[d], f(middle), c)
-        if got.point is None or in_sphere([points[v] for v in cell], got.point) <= 0:
+        (ax, ay), (bx, by) = points[a], points[b]
+        wanted = f(((ax + bx) / 2, (ay + by) / 2))
+        got = step(points[a], points[b], points[d], wanted, c)
+        circle = [points[v] for v in cell]
+        if got.point is None or in_sphere(circle, got.point) <= 0:
             continue
         gone, rim = cavity(points, cells, fixed, cell, got.point)
         if all(allowed(points, fixed, edge, got.point) for edge in rim):
@@ -131,25 +148,37 @@ def next_point(
 
 
 def cavity(
-    points: Points, cells: Iterable[Triangle], fixed: set[frozenset[int]], seed: Triangle, x: Point
+    points: Points,
+    cells: Iterable[Triangle],
+    fixed: set[frozenset[int]],
+    seed: Triangle,
+    x: Point,
 ) -> tuple[frozenset[Triangle], list[Edge]]:
-    """The triangles whose circles hold x, reached from one without crossing a fixed edge; and their rim."""
+    """The triangles whose circles contain x, up to fixed edges, and their rim."""
     neighbor = {edge: c for c in cells for edge, _ in corners(c)}
     gone, rim, fresh = {seed}, [], [seed]
     while fresh:
         cell = fresh.pop()
         for (u, v), _ in corners(cell):
             other = None if frozenset((u, v)) in fixed else neighbor[v, u]
-            if other is None or (other not in gone and in_sphere([points[w] for w in other], x) <= 0):
+            if other is None:
                 rim.append((u, v))
             elif other not in gone:
-                gone.add(other)
-                fresh.append(other)
+                if in_sphere([points[w] for w in other], x) > 0:
+                    gone.add(other)
+                    fresh.append(other)
+                else:
+                    rim.append((u, v))
     return frozenset(gone), rim
 
 
-def allowed(points: Points, fixed: set[frozenset[int]], edge: Edge, x: Point) -> bool:
-    """Whether x sees an edge of the rim from inside; a fixed one under less than 120 degrees."""
+def allowed(
+    points: Points,
+    fixed: set[frozenset[int]],
+    edge: Edge,
+    x: Point,
+) -> bool:
+    """Whether x sees an edge from inside, a fixed one under less than 120°."""
     a, b = (points[v] for v in edge)
     if orient([a, b, x]) <= 0:
         return False
@@ -160,6 +189,11 @@ def angle_at(a: Sequence[Any], b: Sequence[Any], x: Point) -> float:
     """The angle under which ab is seen from x, in radians."""
     ux, uy, vx, vy = a[0] - x[0], a[1] - x[1], b[0] - x[0], b[1] - x[1]
     return abs(atan2(ux * vy - uy * vx, ux * vx + uy * vy))
+
+
+def badness(points: Points, cell: Triangle, f: Size) -> float:
+    """The circumradius over the wanted one at the centroid."""
+    return circumradius(points, cell) / f(centroid(points, cell))
 
 
 def circumradius(points: Points, cell: Triangle) -> float:

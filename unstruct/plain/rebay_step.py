@@ -11,8 +11,9 @@
                  D
 
 Then the same step as a map of the one number p / f, by which the shape of all later triangles can be
-foretold. Source: S. Rebay, Journal of Computational Physics 106 (1993) 125-138; equation numbers as in the
-chapter, (12.4) for the radius and (12.5) for the distance.
+foretold. Source: S. Rebay, Journal of Computational Physics 106 (1993) 125-138. Equation numbers are those of
+the book: (2.6c.1) for the radius and (2.6c.2) for the distance, which are (12.4) and (12.5) in the source
+chapter; (2.6c.4) for the deviation, there (12.6).
 """
 
 from __future__ import annotations
@@ -38,41 +39,43 @@ class Step:
     accepted_center: Point | None  # E; None where no accepted triangle was given
     p: float
     q: float
-    radius: float  # of circle AXB, by (12.4)
+    radius: float  # of circle AXB, by (2.6c.1)
     distance: float  # from M to X
     point: Point | None  # X; None where F is not beyond M
-    capped: bool  # the smaller one in (12.4) was the radius of the circle through A, B and F
-    beyond: bool  # (12.5) led beyond F
+    capped: bool  # the smaller one in (2.6c.1) was the radius of the circle through A, B and F
+    beyond: bool  # (2.6c.2) led beyond F
 
 
 def radius(f: float, p: float, q: float) -> float:
-    """The radius (12.4) of the circle AXB: f, but not below p, and not above that of circle AFB."""
+    """The radius (2.6c.1) of the circle AXB: f, but not below p and not above the cap."""
     return min(max(f, p), cap(p, q))
 
 
 def cap(p: float, q: float) -> float:
-    """The radius of the circle through A, B and F; never below p, since 2 q cap = (p - q)^2 + 2 p q."""
+    """The radius of the circle through A, B and F."""
     return (p * p + q * q) / (2 * q)
 
 
 def distance(r: float, p: float) -> float:
-    """The distance (12.5) of X from M: the farther of the two points on the bisector and the circle."""
+    """The distance (2.6c.2) of the farther point of the bisector on the circle from M."""
     return r + sqrt(max(r * r - p * p, 0.0))
 
 
-def step(a: Any, b: Any, d: Any, f: float, c: Any = None, *, clamp: bool = True) -> Step:
-    """The new point for the edge AB, the triangle ADB beyond it, and the wanted circumradius f.
+def step(
+    a: Any, b: Any, d: Any, f: float, c: Any = None, *, clamp: bool = True
+) -> Step:  # fmt: skip
+    """The new point for the edge AB, the triangle ADB, and the wanted radius f.
 
     Parameters
     ----------
     a, b, d : two numbers each
-        The edge and the far corner of the triangle that is not accepted, on either side of AB.
+        The edge and the far corner of the waiting triangle, on either side of AB.
     f : float
         The wanted circumradius, positive.
     c : two numbers, optional
-        The far corner of the accepted triangle; needed for nothing but its circumcenter.
+        The far corner of the accepted triangle, needed only for its circumcenter.
     clamp : bool
-        Stop at F. Without it X is where (12.5) puts it, which for q < p may be beyond F.
+        Stop at F. Without it X is at the distance d, for q < p beyond F.
 
     Raises
     ------
@@ -119,7 +122,7 @@ def _circumcenter(a: Any, b: Any, c: Any) -> Point:
 def next_ratio(x: float, growth: float = 1.0) -> float:
     """p / f of the new edges AX and XB from that of AB, where f is ``growth`` times larger there.
 
-    From (12.4), (12.5) and |AX|^2 = p^2 + d^2, without the cap: the far triangle is large.
+    From (2.6c.1), (2.6c.2) and |AX|^2 = p^2 + d^2, without the cap: the far triangle is large.
     """
     if not (x > 0 and growth > 0):
         raise InputError(f"p / f = {x} and the growth {growth} must be positive")
@@ -137,5 +140,5 @@ def next_apex(a: float) -> float:
 
 
 def epsilon(p: float, f: float) -> float:
-    """The deviation (12.6) of an edge of half length p from the ideal one: f / p - 2 / sqrt(3)."""
+    """The deviation (2.6c.4) of an edge of half length p from the ideal one: f / p - 2 / sqrt(3)."""
     return f / p - IDEAL

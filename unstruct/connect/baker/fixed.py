@@ -3,8 +3,8 @@
 For a point P and a triangulation T, Γ(P) is the set of cells whose open circumballs contain P. Its
 *principal component* Γ_P is the part that is connected through facets with the cell of P. With a set F of
 fixed cells, Υ(P) = Γ(P) - F, and Υ_P is its part around P in the same sense; it exists if P is in no closed
-cell of F. `unstruct.insert` replaces Γ_P or Υ_P; here the sets are computed for inspection. See the book, 2.2
-and 2.5.
+cell of F. `unstruct.insert` replaces Γ_P or Υ_P; here the sets are computed for inspection. See the book,
+2.2b and 2.5.
 
 **In the plane P sees every edge of Γ_P and of Υ_P from within**, with or without fixed cells, and whether T
 is Delaunay or not. The proof is by induction over the cells in the order in which they are reached. The

@@ -111,7 +111,7 @@ def insert(mesh: Mesh, point: Any, *, reduce: bool = True, fixed: Any = None) ->
     any other mesh the result is valid (signs are exact, and no vertex is lost; see the module), but it need
     not be Delaunay. Copying the mesh takes O(m); each point takes a walk and O(size of the cavity). To insert
     points one at a time, use `Baker`.
-    Source: T. J. Baker, Engineering with Computers 5 (1989) 161-175. Book: 2.2.
+    Source: T. J. Baker, Engineering with Computers 5 (1989) 161-175. Book: 2.2b.
     """
     as_flags(reduce=reduce)
     growing = Baker(mesh, fixed=fixed)

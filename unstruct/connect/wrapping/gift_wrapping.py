@@ -78,7 +78,7 @@ def gift_wrap(points: ArrayLike, front: ArrayLike | None = None) -> Mesh:
     points cost O(n log n) in two and three dimensions; a front of f faces costs O(n f) more. Other
     dimensions, and coordinates that cannot be scaled exactly, take O(n) per cell.
     Source: M. Tanemura, T. Ogawa, N. Ogita, J. Comput. Phys. 51 (1983) 191-207; for ties: H. Edelsbrunner,
-    E. P. Muecke, ACM Trans. Graph. 9 (1990) 66-104. Book: 2.2.
+    E. P. Muecke, ACM Trans. Graph. 9 (1990) 66-104. Book: 2.2a.
     """
     given = as_points(points)
     n, d = given.shape

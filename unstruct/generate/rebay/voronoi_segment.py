@@ -117,14 +117,15 @@ def voronoi_segment(
     that chapter q < p is possible; then d = q. Boundary edges are active from the beginning, as if accepted
     triangles were beyond them.
 
-    *What is proved,* for a constant f and away from the boundary, where R < delta f for accepted triangles
-    and R >= delta f for waiting ones: |AX|^2 = p^2 + d^2 = 2 R d >= 2 f^2 where d is not cut off, since
-    d >= R >= f; and where X = F, |AX| is the circumradius of a waiting triangle, at least delta f. X lies
-    on the Voronoi edge of AB unless the accepted triangle is very obtuse (above 135 degrees), so that A and B
-    are its nearest vertices. Hence new edges have at least the length m f with m = min(sqrt(2), delta), and
-    by the law of sines an accepted triangle has angles of at least arcsin(m / (2 delta)): 30 degrees for
-    delta <= sqrt(2), and 28 for the source chapter's 3/2. The proof fails at the boundary and where f varies:
-    there angles just below 30 degrees occur. Narrow places and small input angles need the finishing pass.
+    *What is proved,* for a constant f and a convex region, of which no edges are split: let m = min(sqrt(2),
+    delta). If no two vertices are nearer than m f at first, none ever are. For |AX|^2 = p^2 + d^2 = 2 R d
+    >= 2 f^2 where d is not cut off, since d >= R >= f; and where X = F, |AX| is the circumradius of a waiting
+    triangle, at least delta f. Vertices on the side of D are outside circle ADB, which covers that part of
+    the disk around X through A and B; a vertex on the other side is nearer to A or B than to X, since d >= p,
+    or else X = F. By the law of sines an accepted triangle has angles above arcsin(m / (2 delta)): 30 degrees
+    for delta <= sqrt(2), and 28 for the source chapter's 3/2; both are sharp. The proof fails at notches of
+    the boundary and where f varies: there angles just below 30 degrees occur. Narrow places and small input
+    angles need the finishing pass.
 
     *The finishing pass* moves the vertices of poor triangles (a smart Laplace step, then pattern searches,
     the last one for the smallest 2 r / R), swaps diagonals so that the mesh stays constrained Delaunay,

@@ -26,9 +26,7 @@ __all__ = [
     "COBWEBS",
     "FRONT_EXAMPLES",
     "chain_frame",
-    "cobweb_drag",
     "cobweb_state",
-    "voronoi_segment_drag",
     "voronoi_segment_state",
 ]
 
@@ -39,7 +37,7 @@ FRONT_EXAMPLES: dict[str, dict[str, Any]] = {
     "a short edge: p < f": {"c": (0.1, 1.6), "turn": 0.8, "f": 1.1, "q": 1.8},
     "a long edge: p > f": {"c": (0.1, 1.6), "turn": 0.8, "f": 0.8, "q": 1.8},
     "the cap is active": {"c": (0.1, 1.6), "turn": 0.8, "f": 1.6, "q": 1.5},
-    "q < p: (12.5) goes beyond F": {"c": (0.1, 1.4), "turn": 0.8, "f": 0.75, "q": 0.75},
+    "q < p: d is beyond F": {"c": (0.1, 1.4), "turn": 0.8, "f": 0.75, "q": 0.75},
     "nasty: AB is deleted": {"c": (0.0, 0.5), "turn": 0.25, "f": 0.875, "q": 1.6},
 }
 F_RANGE, Q_RANGE = (0.3, 2.0), (0.1, 2.0)  # the ranges of f and q, for p = 1
@@ -86,7 +84,7 @@ def voronoi_segment_state(f: float, q: float, preset: str = "a short edge: p < f
     ]
     at_center = got.beyond or got.capped
     if got.beyond:
-        items += [fr.dots("bad", raw.point), fr.labels("bad", raw.point + np.array([0.05, -0.3]), ["(12.5)"])]
+        items += [fr.dots("bad", raw.point), fr.labels("bad", raw.point + np.array([0.05, -0.3]), ["at d"])]
     items += [
         fr.dots("inserted", x, handles=["X"]),
         fr.labels("vertex", [A - [0.35, 0.0], B, c, d, got.middle], "ABCDM"),
@@ -101,7 +99,7 @@ def _what_happens(got: Step, c: np.ndarray, d: np.ndarray, x: np.ndarray) -> str
     if in_sphere(np.array([A, B, c]), d) > 0:
         return "D is in circle ABC: this mesh is not Delaunay"
     if got.beyond:
-        where = "q < p: (12.5) leads beyond F, so stop at F"
+        where = "q < p: d leads beyond F, so stop at F"
     elif got.capped:
         where = "f is too large for this triangle: X = F"
     elif got.radius > got.p:
@@ -109,14 +107,6 @@ def _what_happens(got: Step, c: np.ndarray, d: np.ndarray, x: np.ndarray) -> str
     else:
         where = "f < p: the smallest circle, with a right angle at X"
     return where + ("; X is in circle ABC, so AB is deleted" if in_sphere(np.array([A, B, c]), x) > 0 else "")
-
-
-def voronoi_segment_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict[str, Any]:
-    """The f or q that puts X or F as near as possible to (x, y), after a drag."""
-    depth = max(-y, 1e-3)
-    if handle == "X":  # the circle through A, B and the point (0, -depth)
-        return {"f": (1 + depth * depth) / (2 * depth)}
-    return {"q": depth} if handle == "F" else {}
 
 
 def _on_circle(q: float, turn: float) -> np.ndarray:
@@ -145,9 +135,7 @@ WINDOW_LOW, WINDOW_HIGH = -0.62, 0.88  # the range of epsilon in the window
 IDEAL = 2 / sqrt(3)
 
 
-def cobweb_state(
-    growth: float, start: float, preset: str = "constant size", measured: Sequence[Sequence[float]] = ()
-) -> fr.Frame:
+def cobweb_state(growth: float, start: float, measured: Sequence[Sequence[float]] = ()) -> fr.Frame:
     """The cobweb of epsilon: from an edge to those of its triangle, while f changes by a factor in each step.
 
     Parameters
@@ -156,8 +144,6 @@ def cobweb_state(
         The factor of f from an edge to the next one, between 0.65 and 1.4.
     start : float
         p / f of the first edge, between 0.5 and 1.5.
-    preset : str
-        A key of `COBWEBS`. The widget sets both sliders by it; the picture does not depend on it.
     measured : pairs of floats, optional
         Pairs (epsilon of an edge, epsilon of an edge made from it) of a real run with one size, drawn over
         the curve while ``growth`` is 1.
@@ -167,7 +153,6 @@ def cobweb_state(
     dict
         A frame; its number gives the deviation from the fixed point after the last step, and the slope there.
     """
-    preset_named(COBWEBS, preset)
     within("growth", growth, *GROWTH)
     within("start", start, *START)
     orbit, web = _web(growth, start)
@@ -190,11 +175,6 @@ def cobweb_state(
     ]
     caption, number = _fate(growth, orbit)
     return fr.frame(caption, *items, number=number, view=[WINDOW_LOW, WINDOW_HIGH, WINDOW_LOW, WINDOW_HIGH])
-
-
-def cobweb_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict[str, Any]:
-    """The ratio p / f of a first edge with the deviation x, after the star is dragged to (x, y)."""
-    return {"start": 1 / max(x + IDEAL, 1e-3)} if handle == "start" else {}
 
 
 def _next(deviation: float, growth: float) -> float:

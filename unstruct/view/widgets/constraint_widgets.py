@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
+from ..draw import frames as fr
 from ..scenes.constraints import (
     COMPONENTS,
     SEGMENT_EXAMPLES,
-    component_mesh,
     principal_component_state,
     segment_history,
 )
-from .widgets import Panel, chosen, live, presets, slider
+from .panels import panel
+from .player import Player
+from .widgets import Panel, chosen
 
 __all__ = ["constrained_insertion", "principal_component"]
 
@@ -25,30 +26,18 @@ def constrained_insertion() -> Panel:
     return chosen(histories, alt)
 
 
-def principal_component() -> Panel:
-    """Move P through a triangulation, with and without fixed triangles: Fig. 12.7 as a widget. Book: 2.5."""
-    first = next(iter(COMPONENTS))
-    start = _start(first)
-    controls = {
-        "preset": presets(COMPONENTS),
-        "x": slider("x of P", start["x"], 0, 1, 0.01),
-        "y": slider("y of P", start["y"], 0, 1, 0.01),
-    }
+def principal_component() -> Player:
+    """Move P through a triangulation, with and without fixed triangles: Fig. 12.7 as a panel. Book: 2.5."""
     alt = (
         "A triangulation, a point P that can be moved, the triangles whose circles contain it, "
         "and fixed triangles."
     )
-
-    def drag(values: dict[str, Any], handle: str, px: float, py: float) -> dict[str, Any]:
-        points = component_mesh(COMPONENTS[values["preset"]])[0].points
-        low, high = points.min(axis=0), points.max(axis=0)
-        return dict(zip("xy", ((np.array([px, py]) - low) / (high - low)).tolist()))
-
-    return live(principal_component_state, controls, alt, drag, _start)
+    steps = [round(0.05 * k, 2) for k in range(1, 20)]
+    grid: dict[str, Sequence[Any]] = {"preset": list(COMPONENTS), "x": steps, "y": steps}
+    labels = {"preset": "triangulation", "x": "x of P", "y": "y of P"}
+    start = {"x": 0.8, "y": 0.25}
+    return panel(by_preset, grid, alt=alt, start=start, labels=labels)
 
 
-def _start(preset: str) -> dict[str, Any]:
-    given = COMPONENTS[preset]
-    points = np.array(given["points"], dtype=float)
-    low, high = points.min(axis=0), points.max(axis=0)
-    return dict(zip("xy", ((np.array(given["start"]) - low) / (high - low)).tolist()))
+def by_preset(preset: str, x: float, y: float) -> fr.Frame:
+    return principal_component_state(x, y, preset)

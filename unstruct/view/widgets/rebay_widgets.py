@@ -1,4 +1,4 @@
-"""The widgets of section 2.6c, which show the scenes of `rebay`."""
+"""The panels of section 2.6c, which show the scenes of `rebay`, with or without a kernel."""
 
 from __future__ import annotations
 
@@ -6,42 +6,37 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
-from ..scenes.rebay import (
-    COBWEBS,
-    F_RANGE,
-    FRONT_EXAMPLES,
-    GROWTH,
-    Q_RANGE,
-    START,
-    cobweb_drag,
-    cobweb_state,
-    voronoi_segment_drag,
-    voronoi_segment_state,
-)
-from .widgets import Panel, live, presets, slider
+import numpy as np
+
+from ..draw import frames as fr
+from ..scenes.rebay import F_RANGE, Q_RANGE, START, cobweb_state, voronoi_segment_state
+from .panels import panel
+from .player import Player
 
 __all__ = ["rebay_cobweb", "rebay_step"]
 
+STEP_CORNERS = {  # of the accepted triangle, by the preset whose corner C it is
+    "acute at C": "a short edge: p < f",
+    "nasty: obtuse at C": "nasty: AB is deleted",
+}
+WEB_FACTORS = (0.69, 0.75, 0.8, 0.85, 0.88, 0.9, 0.95, 1.0, 1.05, 1.15, 1.25)  # of f along a chain
 
-def rebay_step() -> Panel:
-    """The chapter's Fig. 12.8: drag F or X, or change f and q, and see the new point. Book: 2.6c."""
-    first = FRONT_EXAMPLES[next(iter(FRONT_EXAMPLES))]
-    controls = {
-        "preset": presets(FRONT_EXAMPLES),
-        "f": slider("wanted radius f", first["f"], *F_RANGE, 0.01),
-        "q": slider("q, from M to F", first["q"], *Q_RANGE, 0.01),
-    }
+
+def rebay_step() -> Player:
+    """Fig. 12.8 of the source chapter: drag F or X, or change f and q, and see the new point. Book: 2.6c."""
     alt = (
         "An accepted triangle ABC, the triangle ADB below it, their circles and centers, and the new point X."
     )
+    grid: dict[str, Sequence[Any]] = {
+        "ABC": list(STEP_CORNERS),
+        "f": _steps(*F_RANGE, 0.1),
+        "q": _steps(*Q_RANGE, 0.1),
+    }
+    labels = {"f": "wanted radius f", "q": "q, from M to F"}
+    return panel(by_corner, grid, alt=alt, start={"f": 1.1, "q": 1.8}, labels=labels)
 
-    def start(preset: str) -> dict[str, Any]:
-        return {name: FRONT_EXAMPLES[preset][name] for name in ("f", "q")}
 
-    return live(voronoi_segment_state, controls, alt, voronoi_segment_drag, start)
-
-
-def rebay_cobweb(measured: Sequence[Sequence[float]] = ()) -> Panel:
+def rebay_cobweb(measured: Sequence[Sequence[float]] = ()) -> Player:
     """The cobweb of the deviation epsilon, with a slider for the factor of f along the chain. Book: 2.6c.
 
     Parameters
@@ -52,17 +47,19 @@ def rebay_cobweb(measured: Sequence[Sequence[float]] = ()) -> Panel:
 
     Returns
     -------
-    Panel
+    Player
     """
-    growth, first = COBWEBS[next(iter(COBWEBS))]
-    controls = {
-        "preset": presets(COBWEBS),
-        "growth": slider("f times", growth, *GROWTH, 0.01),
-        "start": slider("first p / f", first, *START, 0.01),
-    }
     alt = "The curve from one deviation to the next, the diagonal, and the cobweb of a chain of edges."
+    grid: dict[str, Sequence[Any]] = {"growth": WEB_FACTORS, "start": _steps(*START, 0.05)}
+    labels = {"growth": "f times", "start": "first p / f"}
+    state = partial(cobweb_state, measured=measured)
+    return panel(state, grid, alt=alt, start={"growth": 1.0, "start": 0.55}, labels=labels)
 
-    def start(preset: str) -> dict[str, Any]:
-        return dict(zip(("growth", "start"), COBWEBS[preset]))
 
-    return live(partial(cobweb_state, measured=measured), controls, alt, cobweb_drag, start)
+def by_corner(ABC: str, f: float, q: float) -> fr.Frame:
+    return voronoi_segment_state(f, q, STEP_CORNERS[ABC])
+
+
+def _steps(low: float, high: float, step: float) -> list[float]:
+    """The multiples of a step from one end of a range to the other, both included."""
+    return [round(x, 9) for x in np.linspace(low, high, round((high - low) / step) + 1).tolist()]
