@@ -61,6 +61,12 @@ from .scenes.histories import insertion_frames as insertion_frames
 from .scenes.pencils import PENCIL_WINDOW as PENCIL_WINDOW
 from .scenes.pencils import PENCILS as PENCILS
 from .scenes.pencils import pencil_state as pencil_state
+from .scenes.places import PLACE_WINDOW as PLACE_WINDOW
+from .scenes.places import PLACES as PLACES
+from .scenes.places import is_peak as is_peak
+from .scenes.places import nearest_points as nearest_points
+from .scenes.places import new_point_frame as new_point_frame
+from .scenes.places import place_state as place_state
 from .scenes.prism_frames import GROOVE_NAMES as GROOVE_NAMES
 from .scenes.prism_frames import groove as groove
 from .scenes.prism_frames import groove_frames as groove_frames
