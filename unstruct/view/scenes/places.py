@@ -56,13 +56,14 @@ def new_point_frame(points: np.ndarray, x: np.ndarray, name: str = "X", caption:
         number = f"{name} is the vertex {letters[near[0]]}: nothing to insert"
         return fr.frame(caption, *known, fr.dots("inserted", [x], handles=[name]), number=number)
     after = delaunay(np.vstack([points, x]))
+    away = np.sqrt(((points - x) ** 2).sum(axis=1))  # x may be rounded: to the eye these are ties
     corners = after.corners[(after.simplices == len(points)).any(axis=1)]
     angle = float(quality("min_angle", corners).min())
     items = [
         fr.polygons("cell", after.corners),
         fr.polygons("accepted", corners),
         fr.circles("circumcircle", [x], [rho]),
-        fr.segments("highlight", [[x, points[k]] for k in near]),
+        fr.segments("highlight", [[x, p] for p in points[away <= rho * (1.0 + 1e-9)]]),
         fr.dots("vertex", points),
         fr.labels("vertex", points, letters),
         fr.dots("inserted", [x], handles=[name]),
