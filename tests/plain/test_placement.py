@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, takewhile
 from math import hypot, isclose
 
 import numpy as np
@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import unstruct
 from unstruct import InputError
-from unstruct.plain import placement
+from unstruct.plain import circumcenters, placement
 from unstruct.plain.bowyer_watson import bowyer_watson
 from unstruct.sizing import control, limit_nodes
 
@@ -79,3 +79,28 @@ def test_alpha_and_limit_agree_with_the_fast_ones(seed: int) -> None:
     plain = placement.limit(dict(enumerate(values)), lengths, 0.3)
     used = np.unique(mesh.simplices)
     assert np.allclose(limit_nodes(mesh, values, 0.3)[used], [plain[v] for v in used], rtol=1e-12)
+
+
+RING = [(x, y) for x in (0, 2, 4, 6, 8) for y in (0, 2, 4, 6, 8) if x in (0, 8) or y in (0, 8)]
+
+
+def test_the_loop_with_circumcenters_is_that_of_section_2_6a() -> None:
+    """Where all circumcenters are inside: the same points in the same order."""
+
+    def measure(have: list, cell: tuple) -> Fraction:
+        return placement.alpha2(*(have[v] for v in cell), lambda q: 1.1)
+
+    steps = circumcenters.circumcenter_insertion(RING, 60, measure)
+    wanted = [s.point for s in takewhile(lambda s: measure(s.points, s.triangle) > 1, steps)]
+    points, cells = placement.insert_while_large(RING, lambda q: 1.1, placement.voronoi_vertex)
+    assert points[len(RING) :] == wanted and len(wanted) > 20
+    assert all(measure(points, t) <= 1 for t in cells)
+
+
+@pytest.mark.parametrize("place", [placement.edge_midpoint, placement.centroid])
+def test_the_loop_ends(place: object) -> None:
+    """With all triangles small enough, or with as many points as are allowed."""
+    points, cells = placement.insert_while_large(RING, lambda q: 1.1, place, 60)  # type: ignore[arg-type]
+    small = all(placement.alpha2(*(points[v] for v in t), lambda q: 1.1) <= 1 for t in cells)
+    assert small or len(points) == 60
+    assert len(placement.insert_while_large(RING, lambda q: 9, place)[0]) == len(RING)  # type: ignore[arg-type]

@@ -1,8 +1,9 @@
 """Where a new point could go, and what it brings (section 2.3 of the book).
 
 Four places in or near a triangle: a vertex of the Dirichlet tessellation, a point of one of its segments,
-the middle of the longest edge, the centroid. And the two small things that a size field needs: the control
-quantity of a triangle, and the limit on the growth of sizes.
+the middle of the longest edge, the centroid. The loop that inserts one of them while a triangle is too large.
+And the two small things that a size field needs: the control quantity of a triangle, and the limit on the
+growth of sizes.
 
 Sources: the chapter, sections 12.2.3 and 12.2.6; for the limit: H. Borouchaki, F. Hecht and P. J. Frey,
 International Journal for Numerical Methods in Engineering 43 (1998) 1143-1165.
@@ -15,11 +16,20 @@ from fractions import Fraction
 from typing import Any
 
 from unstruct.base.errors import InputError
-from unstruct.plain.bowyer_watson import GHOST, Cell, Step, exact_points, insert
+from unstruct.plain.bowyer_watson import GHOST, Cell, Step, bowyer_watson, exact_points, insert
 from unstruct.plain.rebay_step import step
 from unstruct.plain.voronoi import circumcenter
 
-__all__ = ["alpha2", "centroid", "edge_midpoint", "limit", "new_edges", "voronoi_segment", "voronoi_vertex"]
+__all__ = [
+    "alpha2",
+    "centroid",
+    "edge_midpoint",
+    "insert_while_large",
+    "limit",
+    "new_edges",
+    "voronoi_segment",
+    "voronoi_vertex",
+]
 
 Point = tuple[Fraction, Fraction]
 
@@ -66,13 +76,35 @@ def new_edges(points: list[Any], cells: Iterable[Cell], p: Any) -> tuple[Step, d
     return done, {v: square(*_exact(exact[v], exact[-1])) for v in others}
 
 
+def insert_while_large(
+    points: list[Any], f: Callable[[Point], Any], place: Callable[..., Any], most: int = 200
+) -> tuple[list[Any], list[Cell]]:  # fmt: skip
+    """While a triangle has alpha > 1: take the worst, and insert its place.
+
+    The result has at most ``most`` points. Places are rounded to doubles.
+    """
+    have = exact_points(points)
+    cells = list(bowyer_watson(have))[-1].cells
+    while len(have) < most:
+        found = sorted(cell for cell in cells if GHOST not in cell)
+        worst = max(found, key=lambda t: alpha2(*(have[v] for v in t), f))
+        if alpha2(*(have[v] for v in worst), f) <= 1:
+            break
+        new = place(*(have[v] for v in worst))
+        have = [*have, tuple(Fraction(float(x)) for x in new)]
+        cells = insert(have, cells, len(have) - 1).cells
+    return have, sorted(cell for cell in cells if GHOST not in cell)
+
+
 def alpha2(a: Any, b: Any, c: Any, f: Callable[[Point], Any]) -> Fraction:
-    """The square of the control quantity: circumradius over the wanted one at the circumcenter."""
+    """The square of alpha: circumradius over the wanted one at the circumcenter."""
     q = voronoi_vertex(a, b, c)
     return square(_exact(a)[0], q) / Fraction(f(q)) ** 2
 
 
-def limit(values: Mapping[int, Any], lengths: Mapping[tuple[int, int], Any], growth: Any) -> dict[int, Any]:
+def limit(
+    values: Mapping[int, Any], lengths: Mapping[tuple[int, int], Any], growth: Any
+) -> dict[int, Any]:  # fmt: skip
     """Lower the upper end of an edge that is too steep, until there is none.
 
     Parameters
