@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import nbformat
 
@@ -24,6 +26,8 @@ HOW_TO = [
     "howto-mesh-a-body",
     "howto-heat-in-a-body",
 ]
+# made by their cells from data; their code, which teaches nothing, is not on the site
+MADE = {"ledger", "errata", "theorems", "glossary", "index-of-terms", "references"}
 BACK = [
     "benchmarks",
     "benchmarks-planar",
@@ -35,7 +39,11 @@ BACK = [
     "ledger",
     "errata",
     "reference",
+    "theorems",
+    "glossary",
+    "index-of-terms",
     "references",
+    "teaching",
 ]
 
 
@@ -51,11 +59,14 @@ def write_pages(book: Path, site: Path) -> None:
             if cell.cell_type == "code":
                 for output in cell.outputs:
                     show_widget(output)
-                    link_to_cells(output)
+                    link_to_pages(output)
                 cell.source = re.sub(r"^%.*\n?", "", cell.source, flags=re.M)
+                if name in MADE:
+                    cell.metadata["tags"] = ["remove-input"]
             else:
                 cell.source = for_sphinx(cell.source)
-        notebook.cells = [part for cell in notebook.cells for part in (*anchor(cell), cell)]
+        ledger = "ledger" in names
+        notebook.cells = [part for cell in notebook.cells for part in (*anchor(cell, ledger), cell)]
         if name == FRONT:
             notebook.cells.append(nbformat.v4.new_markdown_cell(contents(names), id="contents"))
         write(site / f"{name}.ipynb", nbformat.writes(notebook))
@@ -69,6 +80,7 @@ def for_sphinx(text: str) -> str:
         rf'^((?:> ?)*)<a id="((?:{NUMBERED})-[\w-]+)"></a>[ ]*\n?', r"\1(\2)=\n\1", text, flags=re.M
     )
     text = re.sub(rf"\]\([\w.-]*#((?:{NUMBERED})-[\w-]+)\)", r"](#\1)", text)
+    text = re.sub(r"(\]\([\w.-]+\.ipynb#)([^)\s]+)\)", lambda link: f"{link[1]}{slug(link[2])})", text)
     return re.sub(r"^((?:> ?)*)\$\$(.+?)\$\$$", displayed, text, flags=re.M | re.S)
 
 
@@ -106,19 +118,36 @@ def contents(names: list[str]) -> str:
     return "\n\n".join(trees)
 
 
-def anchor(cell: Any) -> list[Any]:
-    """A place to link to, before each cell that checks a claim."""
-    if not any(tag.startswith("C12") for tag in cell.metadata.get("tags", [])):
+def anchor(cell: Any, ledger: bool) -> list[Any]:
+    """Before each cell that checks claims a place to link to, and links to the rows of the ledger, if any."""
+    claims = [tag for tag in cell.metadata.get("tags", []) if tag.startswith("C12")]
+    if not claims:
         return []
-    return [nbformat.v4.new_markdown_cell(f'<span id="{cell.id}"></span>', id=f"{cell.id}-anchor")]
+    rows = [(name, "claim-" + name.removeprefix("C").replace(".", "-")) for name in claims if ledger]
+    links = " ".join(
+        f'<a href="ledger.html#{row}" title="its row in the ledger">{name} ↗</a>' for name, row in rows
+    )
+    text = f'<div class="claims" id="{cell.id}">{links}</div>'
+    return [nbformat.v4.new_markdown_cell(text, id=f"{cell.id}-anchor")]
 
 
-def link_to_cells(output: Any) -> None:
-    """Turn JupyterLab's links to cells of other notebooks into links to their anchors."""
-    text = output.get("data", {}).get("text/html")
-    if text:
-        text = "".join(text)
-        output["data"]["text/html"] = re.sub(r"\.ipynb#cell-id=(\w+)", r".html#\1", text)
+def slug(fragment: str) -> str:
+    """JupyterLab's anchor of a heading (`By-hand`), as Sphinx has it (`by-hand`)."""
+    return re.sub(r"[^\w-]", "", unquote(fragment).lower())
+
+
+def link_to_pages(output: Any) -> None:
+    """Turn links to notebooks, their cells and headings, in what a cell puts out, into those of the site."""
+
+    def link(found: re.Match[str]) -> str:
+        fragment = html.unescape(found[2] or "").removeprefix("cell-id=")
+        return f'href="{found[1]}.html' + (f'#{slug(fragment)}"' if fragment else '"')
+
+    data = output.get("data", {})
+    if text := "".join(data.get("text/html", "")):
+        data["text/html"] = re.sub(r'href="([\w.-]+)\.ipynb(?:#([^"]+))?"', link, text)
+    if text := "".join(data.get("text/markdown", "")):
+        data["text/markdown"] = for_sphinx(text)
 
 
 def show_widget(output: Any) -> None:
