@@ -114,6 +114,14 @@ class Chapter:
                     here = heading = Place(self.file, self.number, title, title.replace(" ", "-"))
             yield text[start:], here, False
 
+    def figures(self) -> Iterator[tuple[str, Place]]:
+        """The text that stands for each picture, and the picture's place."""
+        where = [place for _, place, is_code in self.pieces() if is_code]
+        for cell, place in zip((cell for cell in self.cells if cell["cell_type"] == "code"), where):
+            text = cell["metadata"].get("mystnb", {}).get("image", {}).get("alt", "")
+            if text:
+                yield text, place
+
     def headings(self) -> list[tuple[int, str]]:
         found = [HEADING.findall(blank(text)) for text in self.texts]
         return [(len(marks), title) for pairs in found for marks, title in pairs]
@@ -134,7 +142,7 @@ def blank(text: str) -> str:
 
 
 def first_words(text: str, least: int = 12, most: int = 34) -> str:
-    """The first sentences, at least ``least`` words, cut before a displayed formula or after ``most`` words."""
+    """The first sentences, at least ``least`` words, cut before a displayed formula or after ``most``."""
     text = re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", text)
     if re.match(r"\*[^*]", text):  # set in italics as a whole
         text = re.sub(r"(?<!\*)\*$", "", text[1:])

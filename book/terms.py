@@ -95,8 +95,8 @@ def introduced(term: Term) -> Place | None:
     for marks in (r"(?<!\*)\*\*{}\*\*", r"(?<!\*)\*(?!\*){}\*(?!\*)", "{}"):
         for forms in ([term.name], term.forms):
             marked = re.compile(marks.replace("{}", pattern(forms).pattern))
-            near = [chapter for chapter in chapters() if any(form.lower() in flat(chapter) for form in forms)]
-            for chapter, text, place, is_code in (piece for chapter in near for piece in pieces_of(chapter)):
+            near = [each for each in chapters() if any(form.lower() in flat(each) for form in forms)]
+            for chapter, text, place, is_code in (piece for each in near for piece in pieces_of(each)):
                 if not is_code and chapter.number.startswith(term.within) and marked.search(text):
                     if place.title not in ASIDE:
                         return place

@@ -50,6 +50,7 @@ BACK = [
 def write_pages(book: Path, site: Path) -> None:
     """Write one page for each notebook of ``book`` into ``site``; remove pages of notebooks now gone."""
     names = [path.stem for path in sorted(book.glob("*.ipynb"))]
+    indexed = places_of_the_index(book)
     for old in site.glob("*.ipynb"):
         if old.stem not in names:
             old.unlink()
@@ -61,10 +62,10 @@ def write_pages(book: Path, site: Path) -> None:
                     show_widget(output)
                     link_to_pages(output)
                 cell.source = re.sub(r"^%.*\n?", "", cell.source, flags=re.M)
-                if name in MADE:
+                if name in MADE or re.match(r"(Markdown|HTML)\(", cell.source):
                     cell.metadata["tags"] = ["remove-input"]
             else:
-                cell.source = for_sphinx(cell.source)
+                cell.source = with_entries(for_sphinx(cell.source), cell.source, indexed.get(name, {}))
         ledger = "ledger" in names
         notebook.cells = [part for cell in notebook.cells for part in (*anchor(cell, ledger), cell)]
         if name == FRONT:
@@ -82,6 +83,30 @@ def for_sphinx(text: str) -> str:
     text = re.sub(rf"\]\([\w.-]*#((?:{NUMBERED})-[\w-]+)\)", r"](#\1)", text)
     text = re.sub(r"(\]\([\w.-]+\.ipynb#)([^)\s]+)\)", lambda link: f"{link[1]}{slug(link[2])})", text)
     return re.sub(r"^((?:> ?)*)\$\$(.+?)\$\$$", displayed, text, flags=re.M | re.S)
+
+
+def places_of_the_index(book: Path) -> dict[str, dict[str, list[str]]]:
+    """What the page of the index lists: by page and anchor (as JupyterLab has it) the names of entries."""
+    found: dict[str, dict[str, list[str]]] = {}
+    path = book / "index-of-terms.ipynb"
+    cells = nbformat.read(path, as_version=4).cells if path.is_file() else []
+    shown = "".join(o.get("data", {}).get("text/html", "") for c in cells for o in c.get("outputs", []))
+    for item in re.findall(r"<li>(.*?)</li>", shown):
+        name = html.unescape(re.sub(r"<[^>]+>", "", item.split(": ", 1)[0]))
+        for page, target in re.findall(r'href="([\w.-]+)\.ipynb#([^"]+)"', item):
+            if page != "glossary":
+                found.setdefault(page, {}).setdefault(html.unescape(target), []).append(name)
+    return found
+
+
+def with_entries(text: str, stored: str, wanted: dict[str, list[str]]) -> str:
+    """A cell with the index's entries for its headings and statements, which the search then finds."""
+    targets = [title.replace(" ", "-") for title in re.findall(r"^##+ +(.*?)\s*$", stored, flags=re.M)]
+    targets += re.findall(r'<a id="([\w-]+)"></a>', stored)
+    names = [name for target in targets for name in wanted.get(target, [])]
+    if stored.startswith("# "):
+        return text
+    return "".join(f"```{{index}} single: {name}\n```\n\n" for name in dict.fromkeys(names)) + text
 
 
 def boxed(quote: re.Match[str]) -> str:

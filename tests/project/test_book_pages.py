@@ -1,4 +1,4 @@
-"""The pages made from the chapters: references, theorems, glossary, index. Nothing that belongs is missing."""
+"""The pages made from the chapters: references, theorems, glossary, index. Nothing is missing."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ def test_bold_words_are_found(
 ) -> None:
     text = (
         "A **sliver cell** is flat.\n\n**Opens** a paragraph.\n- **entry**: of a list\n"
-        "| **cell** | of a table |\n\n> **Theorem.** It is **not at all like that one**, **3.1**, **$x$**; a *word*."
+        "| **cell** | of a table |\n\n> **Theorem.** It is **not at all like it**, **3.1**, **$x$**; *a*."
     )
     chapter = small(tmp_path, book["chapters"], text)
     pieces = [(chapter, *piece) for piece in chapter.pieces()]
