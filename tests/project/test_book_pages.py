@@ -1,4 +1,4 @@
-"""The pages made from the chapters: references, theorems, glossary, index. Nothing is missing."""
+"""Pages made from the chapters: references, theorems, glossary, index, map, lectures; nothing is missing."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import nbformat
 import pytest
 from book_files import BOOK, code_cells, notebook
 
-PAGES = ("theorems", "glossary", "index-of-terms", "references")
+PAGES = ("theorems", "glossary", "index-of-terms", "references", "teaching")
 
 
 @pytest.fixture(scope="module")
@@ -20,11 +20,12 @@ def book() -> dict[str, ModuleType]:
     sys.path.insert(0, str(BOOK))
     try:
         import chapters
+        import maps
         import terms
         import works
     finally:
         sys.path.remove(str(BOOK))
-    return {"chapters": chapters, "terms": terms, "works": works}
+    return {"chapters": chapters, "maps": maps, "terms": terms, "works": works}
 
 
 def shown(page: str) -> str:
@@ -195,12 +196,82 @@ def test_the_index(book: dict[str, ModuleType]) -> None:
         assert book["terms"].places(entry) or entry.see in names, f"{entry.name}: no place"
 
 
+# Map, ways, lectures
+
+
+def test_every_chapter_is_on_the_map(book: dict[str, ModuleType]) -> None:
+    maps, chapters = book["maps"], book["chapters"].chapters()
+    numbers = [chapter.number for chapter in chapters]
+    known = {row["number"]: row for row in maps.data()["chapter"]}
+    assert set(numbers) <= set(known), f"not in chapters.toml: {sorted(set(numbers) - set(known))}"
+    assert set(known) - set(numbers) <= {"2.2", "2.2a", "2.2b"}, "rows of chapters that are gone"
+    rows = maps.depth()
+    places = {(card["column"], rows[chapter.number]) for chapter, card in maps.cards()}
+    assert len(places) == len(chapters), "two boxes in one place"
+    for chapter, card in maps.cards():
+        assert card["reading"] in (1, 2) and card["question"].endswith("?"), chapter.number
+        assert maps.all_named(card["needs"]) or chapter.number == "1"
+        assert 10 <= maps.minutes(chapter) <= 90, f"{chapter.number}: {maps.minutes(chapter)} minutes"
+
+
+def test_what_a_chapter_needs_is_on_the_map(book: dict[str, ModuleType]) -> None:
+    """A chapter of which the first cell says "You need ..." is below those that it links to first."""
+    maps, rows = book["maps"], book["maps"].depth()
+    by_file = {chapter.file: chapter.number for chapter in book["chapters"].chapters()}
+
+    def before(number: str) -> set[str]:
+        needs = {need.number for name in [number] for need in maps.all_named(cards[name]["needs"])}
+        return needs.union(*(before(need) for need in needs))
+
+    cards = {chapter.number: card for chapter, card in maps.cards()}
+    for chapter, _ in maps.cards():
+        said = re.search(r"You need (.*?)[.]\s", chapter.texts[0] + " ", flags=re.S)
+        if said:
+            link = re.search(r"\]\(([\w.-]+\.ipynb)", said[1])
+            assert link and by_file[link[1]] in before(chapter.number), f"{chapter.number} needs {said[1]}"
+    assert max(rows.values()) >= 5
+
+
+def test_ways_and_lectures(book: dict[str, ModuleType]) -> None:
+    maps = book["maps"]
+    lectures, paths = maps.data()["lecture"], maps.data()["path"]
+    assert len(lectures) == 12 and len(paths) == 2
+    seen: list[str] = []
+    for lecture in lectures:
+        some = maps.all_named(lecture["chapters"])
+        assert some, lecture["title"]
+        seen += [chapter.number for chapter in some]
+    assert len(set(seen)) == len(seen), "a chapter in two lectures"
+    for row in paths:
+        assert all(maps.named(number) for number in row["chapters"])
+        assert all((BOOK / f"{page}.ipynb").is_file() for page in row["pages"])
+    front = shown("index")
+    for chapter, card in maps.cards():
+        assert f"[{chapter.number} {chapter.title}]({chapter.file})<br>{card['question']}" in front
+    first = notebook(BOOK / "index.ipynb").cells[0].source
+    assert "Liseikin" in first and "Springer" in first and "chapter 12" in first
+
+
+def test_questions_have_folded_solutions() -> None:
+    texts = [c.source for c in notebook(BOOK / "teaching.ipynb").cells if c.cell_type == "markdown"]
+    questions = [text for text in texts if text.startswith("### Question")]
+    assert len(questions) >= 12
+    for number, text in enumerate(questions, start=1):
+        assert re.match(rf"### Question {number}: .* \(\d+ minutes(?:, open)?\)\n", text)
+        solution = re.search(
+            r"^<details><summary>Solution</summary>\n\n(.+)\n\n</details>", text, re.M | re.S
+        )
+        assert solution and len(solution[1].split()) >= 15, text[:60]
+    assert sum("prove" in text.lower() for text in questions) >= 3
+    assert sum("find the bug" in text.lower() for text in questions) >= 1
+
+
 def test_links_lead_to_headings_and_anchors() -> None:
     """In the notebooks; on the website the test of dead links sees them."""
     for page in PAGES:
         text = shown(page)
         links = re.findall(r'(?:href="|\]\()([\w.-]+\.ipynb)(?:#([^")]+))?', text)
-        assert len(links) > 50
+        assert len(links) > 40
         for file, target in set(links):
             assert (BOOK / file).is_file(), file
             if target and not target.startswith("term-"):

@@ -18,7 +18,7 @@ from typing import Any
 
 import nbformat
 import pytest
-from book_files import BOOK, chapters, code_cells
+from book_files import BOOK, chapters, code_cells, ledger
 
 from unstruct import Domain, constrained_delaunay, view
 
@@ -79,6 +79,27 @@ def shows_player(cell: nbformat.NotebookNode) -> bool:
 def answers_to_a_slider(cell: nbformat.NotebookNode) -> bool:
     kinds = [{part["kind"] for part in parts(widget)} for widget in widgets(cell)]
     return any({"anywidget", "control"} <= found for found in kinds)
+
+
+def test_the_ledger_is_filtered(page: Any, site: Path) -> None:
+    """By section and verdict, together; a link to a row that is hidden shows all again."""
+    page.goto((site / "ledger.html").as_uri())
+    rows = page.locator("table.ledger tr[data-verdict]")
+    shown = page.locator("table.ledger tr[data-verdict]:visible")
+    claims = ledger()
+    assert rows.count() == shown.count() == len(claims)
+    page.get_by_label("verdict").select_option("false")
+    wrong = [row for row in claims if row["verdict"] == "false"]
+    assert shown.count() == len(wrong)
+    page.get_by_label("section").select_option("12.2.6")
+    some = [row["id"] for row in wrong if row["section"] == "12.2.6"]
+    assert [text.strip() for text in shown.locator("td:first-child").all_inner_texts()] == some
+    assert page.locator(".ledger-filters output").inner_text() == f"{len(some)} of {len(claims)} claims"
+    page.evaluate("location.hash = '#claim-12-2-1-01'")
+    page.wait_for_function(
+        "document.querySelector('tr:target') && !document.querySelector('tr:target').hidden"
+    )
+    assert shown.count() == len(claims)
 
 
 def test_front_page_leads_to_the_chapters(site: Path, page: Any) -> None:

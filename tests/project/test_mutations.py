@@ -1,6 +1,7 @@
 """Mutations fit their cells, claims have some, and the runner tells red from green.
 
-`python tests/mutations/mutate.py --jobs 2` runs all; here a tenth is run, and small notebooks of our own.
+`python tests/mutations/mutate.py --jobs 2` runs all; `test_mutations_*_half.py` run a tenth;
+here small notebooks of our own are run.
 """
 
 from __future__ import annotations
@@ -8,14 +9,13 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-import matplotlib
 import nbformat
 import pytest
 from book_files import BOOK, CLAIM, NEW_CHAPTERS, ROOT, chapters, code_cells, ledger, tags
 from mutate import Mutation, Wrong, changed, code_of, files, read, run, run_here, tenth
+from mutated import FILES
 from slices import needed
 
-FILES = [pytest.param(path, notebook, id=path.stem) for path, notebook in files()]
 WITHOUT_MUTATION = {"historical", "unverified"}
 CELLS = [
     "import inspect\nlimit = 3",
@@ -52,17 +52,6 @@ def test_every_claim_of_a_new_chapter_has_a_mutation(notebook: Path) -> None:
     claims = {name for name in claims if verdicts.get(name) not in WITHOUT_MUTATION}
     mutated = {mutation.claim for mutation in read(path)} if path.exists() else set()
     assert claims <= mutated, f"{path.name} has no mutation of {sorted(claims - mutated)}"
-
-
-@pytest.mark.parametrize(("path", "notebook"), FILES)
-def test_a_tenth_is_red(path: Path, notebook: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Always the same tenth, as `mutate.py --tenth` runs it; each chapter has its share."""
-    monkeypatch.setenv("MPLBACKEND", "agg")
-    monkeypatch.chdir(BOOK)
-    with matplotlib.rc_context():
-        results = run_here(notebook, tenth(read(path)), sliced=True)
-    green = [f"{result.mutation}: {result.told}" for result in results if not result.red]
-    assert results and not green, "\n".join(green)
 
 
 def test_the_tenth_is_a_tenth_and_hangs_on_each_mutation_alone() -> None:
