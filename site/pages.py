@@ -78,7 +78,7 @@ def for_sphinx(text: str) -> str:
     (which Sphinx then checks), numbered equations, boxes."""
     text = re.sub(r"^> \*\*Source\.\*\*(?:.*\n?)(?:^>.*\n?)*", boxed, text, flags=re.M)
     text = re.sub(
-        rf'^((?:> ?)*)<a id="((?:{NUMBERED})-[\w-]+)"></a>[ ]*\n?', r"\1(\2)=\n\1", text, flags=re.M
+        rf'^((?:> ?)*)<a id="((?:{NUMBERED})-[\w-]+)"></a>[ ]*(?:\n\1)?', r"\1(\2)=\n\1", text, flags=re.M
     )
     text = re.sub(rf"\]\([\w.-]*#((?:{NUMBERED})-[\w-]+)\)", r"](#\1)", text)
     text = re.sub(r"(\]\([\w.-]+\.ipynb#)([^)\s]+)\)", lambda link: f"{link[1]}{slug(link[2])})", text)
@@ -130,14 +130,19 @@ def displayed(formula: re.Match[str]) -> str:
     return "\n".join(lead + line for line in lines)
 
 
-def contents(names: list[str]) -> str:
-    """The table of contents that makes the site's navigation: chapters by number, then the other pages."""
+def groups(names: list[str]) -> list[tuple[str, list[str]]]:
+    """The pages in their order, but for the front page: chapters by number, then the others."""
     chapters = [name for name in names if name[0].isdigit()]
     others = [name for name in BACK if name in names]
     tasks = [name for name in HOW_TO if name in names]
     others += [name for name in names if name not in [FRONT, *chapters, *tasks, *others]]
+    return [("Chapters", chapters), ("How to", tasks), ("Beside the chapters", others)]
+
+
+def contents(names: list[str]) -> str:
+    """The table of contents that makes the site's navigation."""
     trees = []
-    for caption, group in (("Chapters", chapters), ("How to", tasks), ("Beside the chapters", others)):
+    for caption, group in groups(names):
         if group:
             trees.append("\n".join(["```{toctree}", ":hidden:", f":caption: {caption}", "", *group, "```"]))
     return "\n\n".join(trees)

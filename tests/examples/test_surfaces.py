@@ -73,3 +73,31 @@ def test_refused() -> None:
         examples.merged_body(parts=0)
     with pytest.raises(InputError):
         examples.level_surface(examples.noisy_ball(0), -1.0)
+
+
+def test_scans_are_closed_and_near_the_body() -> None:
+    ball = examples.scanned_surface(examples.sphere(), 12, 48, error=0.0)
+    domain = Domain.surface(ball)
+    assert turned_alike(domain) and ball.size == 2 * 12 * 48 and ball.euler_characteristic == 2
+    assert np.abs(np.linalg.norm(ball.points, axis=1) - 1).max() < 1e-12
+    assert shape(domain)[2] == pytest.approx(4 / 3 * np.pi, rel=0.03)
+    body = examples.noisy_ball(1)
+    for slices, around, error in ((24, 96, 1e-4), (1, 3, 0.0)):
+        scan = examples.scanned_surface(body, slices, around, error=error)
+        assert turned_alike(Domain(scan.points, scan.simplices)) and shape(Domain.surface(scan))[2] > 0
+        assert np.abs(body(scan.points)).max() < 10 * error + 1e-9
+    again = examples.scanned_surface(body, 24, 96)
+    assert np.array_equal(again.points, examples.scanned_surface(body, 24, 96).points)
+    assert again.quality("min_angle").min() < 2
+    assert not np.array_equal(again.points, examples.scanned_surface(body, 24, 96, seed=1).points)
+
+
+def test_scans_refused() -> None:
+    ball = examples.sphere()
+    with pytest.raises(InputError, match="body must be a LevelSet"):
+        examples.scanned_surface(Domain.ball())  # type: ignore[arg-type]
+    for wrong in ({"slices": 0}, {"around": 2}, {"error": -1.0}):
+        with pytest.raises(InputError, match=r"slices = .* must be at least 1"):
+            examples.scanned_surface(ball, **wrong)
+    with pytest.raises(InputError, match="body must contain the origin"):
+        examples.scanned_surface(examples.torus())

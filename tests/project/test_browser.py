@@ -18,7 +18,7 @@ from typing import Any
 
 import nbformat
 import pytest
-from book_files import BOOK, chapters, code_cells, ledger
+from book_files import BOOK, ROOT, chapters, code_cells, ledger, notebooks
 
 from unstruct import Domain, constrained_delaunay, view
 
@@ -30,6 +30,8 @@ pytestmark = pytest.mark.skipif(
 )
 QUIET = ["disable-gpu", "disable-quic", "no-first-run", "disable-background-networking", "disable-sync"]
 PATIENCE = 900_000  # milliseconds, to end what hangs; a busy machine may be slow
+CLIPPED = (ROOT / "tests" / "helpers" / "clipped.js").read_text(encoding="utf-8")
+WIDTHS = 1280, 390  # a laptop, a telephone
 FLAGS = ["--no-sandbox", "--disable-component-update", *(f"--{flag}" for flag in QUIET)]
 
 
@@ -134,6 +136,23 @@ def test_mathematics_is_typeset_and_widgets_are_drawn(site: Path, page: Any) -> 
         assert page.locator("mjx-container svg").count() > 0, chapter.name
         errors = page.locator("[data-mml-node='merror']")
         assert errors.count() == 0, f"{chapter.name}: {errors.first.inner_text()}"
+
+
+def test_nothing_is_clipped(site: Path, page: Any) -> None:
+    """On a laptop and on a telephone, folded cells opened: what is too wide can be scrolled to."""
+    wrong = []
+    for name in notebooks():
+        page.set_viewport_size({"width": WIDTHS[0], "height": 900})
+        page.goto((site / f"{name.stem}.html").as_uri())
+        if page.locator("script[src*='tex-svg']").count():
+            page.wait_for_function("!!window.MathJax?.startup?.promise")
+            page.evaluate("window.MathJax.startup.promise.then(() => true)")
+        page.wait_for_function("!document.querySelector('.unstruct-widget:not([data-state=drawn])')")
+        page.evaluate("document.querySelectorAll('details').forEach((folded) => (folded.open = true))")
+        for width in WIDTHS:
+            page.set_viewport_size({"width": width, "height": 900})
+            wrong += [f"{name.stem} at {width} px: {text}" for text in page.evaluate(CLIPPED)]
+    assert not wrong, "\n".join(wrong)
 
 
 def test_players_step_without_a_kernel(site: Path, page: Any) -> None:

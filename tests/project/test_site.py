@@ -126,6 +126,17 @@ def test_every_widget_has_its_place(site: Path) -> None:
         assert [json.loads(state) for state in states] == [o.metadata["widget"] for o in stored]
 
 
+def test_no_equation_of_a_statement_is_quoted_twice(site: Path) -> None:
+    """An anchor before an equation within a statement made a quotation of its own, narrow and gray."""
+    equations = 0
+    for path in notebooks():
+        text = (site / f"{path.stem}.html").read_text(encoding="utf-8")
+        assert not re.search(r"<blockquote[^>]*>(?:(?!</blockquote>).)*<blockquote", text, re.S), path.stem
+        quoted = re.findall(r"<blockquote[^>]*>(.*?)</blockquote>", text, re.S)
+        equations += sum(len(re.findall(r'amsmath[^>]*id="equation-', part)) for part in quoted)
+    assert equations >= 4
+
+
 def test_statements_boxes_and_solutions_of_new_chapters(skeleton_site: Path) -> None:
     """Anchors are those of the notebook, and a link to one leads there from another page."""
     found = pages(skeleton_site)

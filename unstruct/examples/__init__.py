@@ -37,6 +37,7 @@ from .structured import tensor_grid as tensor_grid
 from .stuck_fronts import stuck_body as stuck_body
 from .surfaces import level_surface as level_surface
 from .surfaces import meshed_sides as meshed_sides
+from .surfaces import scanned_surface as scanned_surface
 
 __all__ = [
     "LevelSet",
@@ -66,6 +67,7 @@ __all__ = [
     "running_points",
     "running_region",
     "running_size",
+    "scanned_surface",
     "sphere",
     "stuck_body",
     "sweep_triangulation",

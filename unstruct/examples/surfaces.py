@@ -13,16 +13,27 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.arguments import as_count, positive
+from ..base.arguments import as_count, as_seed, finite, positive
+from ..base.elementary import cosines, sines
 from ..base.errors import IncompleteWarning, InputError
 from ..domain.domain import Domain
 from ..generate.rebay.voronoi_segment import voronoi_segment
 from ..generate.stuffing.stuffing import isosurface_stuffing
 from ..geometry.edge_vectors import lengths
+from ..mesh.mesh import Mesh
 from ..sizing.source_sizes import points as point_sizes
 from .bodies import LevelSet
 
-__all__ = ["Patch", "joined_patches", "level_surface", "meshed_sides", "mirrored", "patch_of", "spread"]
+__all__ = [
+    "Patch",
+    "joined_patches",
+    "level_surface",
+    "meshed_sides",
+    "mirrored",
+    "patch_of",
+    "scanned_surface",
+    "spread",
+]
 
 Array = NDArray[np.float64]
 Triangles = NDArray[np.int32]
@@ -31,6 +42,7 @@ SLOPE_STEP = 1e-6  # for differences of a level set; unit: the wanted edge lengt
 NEWTON_ROUNDS = 4
 OFF_SURFACE = 0.05  # points that Newton's steps do not bring as near stay where they were; unit: the length
 SIDE_ROWS = 4096  # samples of a line for its lengths
+RAY_HALVINGS = 50  # of the part of a ray that contains the surface
 
 
 class Patch(NamedTuple):
@@ -225,3 +237,65 @@ def _onto(body: LevelSet, x: Array, h: float, before: Array) -> Array:
         far = np.maximum(lengths(move) / (0.5 * h), 1.0)
         x = x - move / far[:, None]
     return np.where((np.abs(body(x)) < OFF_SURFACE * h)[:, None], x, before)
+
+
+def scanned_surface(
+    body: LevelSet, slices: int = 24, around: int = 96, *, error: float = 1e-4, seed: int = 0
+) -> Mesh:
+    """A body as a scanner measures it: many points along each slice, slices far apart, joined to needles.
+
+    Parameters
+    ----------
+    body : LevelSet
+        It contains the origin, and rays from there leave it once.
+    slices, around : int
+        How many cones of rays around the z axis, and rays in each; at least 1 and 3. Two more rays go
+        along the axis.
+    error : float
+        Of the measured distances: the standard deviation, as a part of each.
+    seed : int
+        By chance are these errors, and how far each slice is turned.
+
+    Returns
+    -------
+    Mesh
+        A closed surface of ``2 * slices * around`` triangles.
+
+    Raises
+    ------
+    InputError
+        If the body does not contain the origin, for too few rays, and for a negative error.
+    """
+    many, rays, off = as_count(slices, "slices"), as_count(around, "around"), finite(error, "error")
+    if not isinstance(body, LevelSet):
+        raise InputError("body must be a LevelSet, as examples.noisy_ball() is")
+    if many < 1 or rays < 3 or off < 0:
+        raise InputError(f"slices = {many}, around = {rays}, error = {off:g} must be at least 1, 3 and 0")
+    if not body(np.zeros((1, 3)))[0] > 0:
+        raise InputError("body must contain the origin, from which it is scanned")
+    rng = np.random.default_rng(as_seed(seed))
+    down = np.pi * np.arange(1, many + 1)[:, None] / (many + 1)
+    turn = 2 * np.pi * (np.arange(rays) + rng.random((many, 1))) / rays
+    wide, z = sines(down), cosines(down) + np.zeros(rays)
+    way = np.stack([wide * cosines(turn), wide * sines(turn), z], axis=2).reshape(-1, 3)
+    way = np.vstack([[0.0, 0.0, 1.0], way, [0.0, 0.0, -1.0]])
+    low, high = np.zeros(len(way)), np.full(len(way), float(lengths(np.abs(body.box).max(axis=0))))
+    for _ in range(RAY_HALVINGS):
+        middle = (low + high) / 2
+        inside = body(way * middle[:, None]) > 0
+        low, high = np.where(inside, middle, low), np.where(inside, high, middle)
+    points = way * (low * (1 + off * rng.normal(size=len(way))))[:, None]
+    return Mesh(points, _slices_joined(many, rays))
+
+
+def _slices_joined(many: int, rays: int) -> Triangles:
+    """The triangles between neighboring slices, and at both ends of the axis."""
+    i, end = np.arange(rays), many * rays + 1
+    j = (i + 1) % rays
+    rows = [np.stack([0 * i, 1 + i, 1 + j], axis=1)]
+    for a in range(1, end - rays, rays):
+        b = a + rays
+        rows += [np.stack([a + i, b + i, b + j], axis=1), np.stack([a + i, b + j, a + j], axis=1)]
+    last = end - rays
+    rows.append(np.stack([last + i, 0 * i + end, last + j], axis=1))
+    return np.vstack(rows).astype(np.int32)

@@ -38,6 +38,9 @@ from .scenes.centers import circumcenter_state as circumcenter_state
 from .scenes.constraints import principal_component_state as principal_component_state
 from .scenes.constraints import segment_history as segment_history
 from .scenes.constraints import segment_state as segment_state
+from .scenes.fold_states import FOLD_SHAPES as FOLD_SHAPES
+from .scenes.fold_states import fold_state as fold_state
+from .scenes.fold_states import folded as folded
 from .scenes.front_presets import FRONT_PRESETS as FRONT_PRESETS
 from .scenes.front_presets import FRONT_WINDOW as FRONT_WINDOW
 from .scenes.front_presets import front_state as front_state
