@@ -88,7 +88,7 @@ def entry(work: Work, cited_in: Sequence[Chapter] = ()) -> str:
     if work.link:
         parts.append(f"[{work.link_name}]({work.link})")
     if cited_in:
-        parts.append("In " + ", ".join(f"[{c.number}]({c.file}#Sources)" for c in cited_in) + ".")
+        parts.append("Cited in " + ", ".join(f"[{c.number}]({c.file}#Sources)" for c in cited_in) + ".")
     return " ".join(part for part in parts if part)
 
 

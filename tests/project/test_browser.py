@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import os
+import re
 import shutil
 import socket
 import subprocess
@@ -122,6 +123,14 @@ def test_search_finds_a_chapter(site: Path, page: Any) -> None:
     page.wait_for_selector("#search-results li a")
     hits = [a.get_attribute("href") for a in page.locator("#search-results li a").all()]
     assert any(hit.startswith("2.") for hit in hits), hits
+
+
+def test_search_finds_entries_of_the_index(site: Path, page: Any) -> None:
+    """And leads to their places in the chapters."""
+    page.goto((site / "search.html").as_uri() + "?q=sliver")
+    page.wait_for_selector("#search-results li a")
+    hits = [a.get_attribute("href") for a in page.locator("#search-results li a").all()]
+    assert any(re.match(r"2\.8a.*\.html.*#index-\d+", hit) for hit in hits), hits
 
 
 def test_mathematics_is_typeset_and_widgets_are_drawn(site: Path, page: Any) -> None:
