@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 BOOK = Path(__file__).parent
+LOOK = 'style="text-align: left; vertical-align: top"'  # JupyterLab would set cells to the right
 MUTATIONS = BOOK.parent / "tests" / "mutations"
 VERDICTS = ("true", "needs-assumption", "false", "extension", "misprint", "vague", "historical", "unverified")
 EVIDENCE = ("derived", "exact", "property-tested", "counterexample", "measured", "cited")
@@ -62,14 +63,14 @@ def ledger(claims: Iterable[dict[str, Any]]) -> str:
     """The ledger as an HTML table; the website filters its rows by section and verdict."""
     found, changes = cells(), mutations()
     head = ["id", "the source claims", "verdict", "correct", "evidence", "cell"]
-    lines = ['<table class="ledger">', "<tr>" + "".join(f"<th>{name}</th>" for name in head) + "</tr>"]
+    lines = ['<table class="ledger">', "<tr>" + "".join(f"<th {LOOK}>{name}</th>" for name in head) + "</tr>"]
     for row in claims:
         name = row["id"]
         texts = [name, row["statement"], row["verdict"], row.get("correct", ""), row["evidence"]]
         texts = [html.escape(text, quote=False) for text in texts] + [links(name, found)]
         texts[3] += folded(changes.get(name, []))
         marks = f'id="{anchor(name)}" data-section="{row["section"]}" data-verdict="{row["verdict"]}"'
-        lines.append(f"<tr {marks}>" + "".join(f"<td>{text}</td>" for text in texts) + "</tr>")
+        lines.append(f"<tr {marks}>" + "".join(f"<td {LOOK}>{text}</td>" for text in texts) + "</tr>")
     return "\n".join([*lines, "</table>"])
 
 
@@ -96,7 +97,7 @@ def table(head: Sequence[str], body: Iterable[Sequence[Any]]) -> str:
 
     def cell(value: Any, tag: str) -> str:
         text = value if str(value).startswith("<a ") else html.escape(str(value), quote=False)
-        return f'<{tag} style="text-align: left; vertical-align: top">{text}</{tag}>'
+        return f"<{tag} {LOOK}>{text}</{tag}>"
 
     lines = ["<table>", "<tr>" + "".join(cell(name, "th") for name in head) + "</tr>"]
     lines += ["<tr>" + "".join(cell(value, "td") for value in row) + "</tr>" for row in body]

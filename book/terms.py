@@ -42,6 +42,11 @@ class Term:
     def forms(self) -> list[str]:
         return [self.name, *self.also]
 
+    @property
+    def long_forms(self) -> list[str]:
+        """The name, and other forms of several words, which mean nothing else."""
+        return [self.name, *(form for form in self.also if re.search(r"[ –-]", form))]
+
 
 @cache
 def glossary() -> dict[str, Any]:
@@ -150,9 +155,7 @@ class Entry:
 @cache
 def entries() -> list[Entry]:
     """Terms of the glossary, authors and names of the library in chapters, and what `index.toml` adds."""
-    found = [
-        Entry(t.name, pattern(t.forms[:1]).pattern, "term", t.within, hint=t.name.lower()) for t in terms()
-    ]
+    found = [Entry(t.name, pattern(t.long_forms).pattern, "term", t.within) for t in terms()]
     found += people() + functions()
     extra = tomllib.loads((BOOK / "index.toml").read_text(encoding="utf-8"))["entry"]
     known = {entry.name for entry in found}
