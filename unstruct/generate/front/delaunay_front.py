@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flags
-from ...base.arrays import as_points
+from ...base.arrays import as_points, frozen
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...base.progress import progress_bar
@@ -26,6 +26,7 @@ from ...geometry.segment_pairs import vertices_on_segments
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...predicates.batch import power_of_two, scaled, unscaled
 from ...sizing import as_size
+from ..advancing.rows import CELLS_MADE, VERTEX_COUNT, Waiting, room_to_wait
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import kept_pieces
 from ..boundary.pairs import paired
@@ -33,14 +34,15 @@ from ..rebay.run import TOLERANCE
 from ..space_front.given_points import given_points_in_space
 from ..volume.lacking import what_is_missing
 from . import delaunay_steps as k
-from .classical import emptied, enter_all, finished_mesh, waiting_for
-from .classical_steps import Choices, Waiting
+from .classical import emptied, enter_all, finished_mesh
+from .classical_steps import Choices
 from .empty_circle import new_ahead
 from .made_mesh import Made, domain_mesh_of, neighbors_of, quality_figures
-from .open_front import TRIANGLES_MADE, VERTEX_COUNT, OpenFront, new_front
+from .open_front import OpenFront, new_front
 
 __all__ = ["front_delaunay"]
 
+MOST_ROWS = 5  # of points outside that are named in a warning
 CELLS_A_CALL = 50_000  # a fraction of a second: Ctrl-C works between calls
 
 
@@ -80,7 +82,8 @@ def front_delaunay(
         that cut curves and pieces, then the points, in their order. ``counts``: "cells"; "cocircular" cells,
         whose circle has another visible vertex on it, so that another choice would have been as good;
         "hidden" candidates, which were in the circle of a cell but not visible from its edge, and which a
-        test of all points would have taken for obstacles; "outside" points, which were left out. With a size
+        test of all points would have taken for obstacles; "outside" points, which were left out: their rows
+        are in ``left_out``, and a warning names the first ones. With a size
         also "points", "circumcenters", "forced" cells and edges "set aside", from making the points.
         ``figures``: "triangles", "minimum angle", "minimum 2r/R" and "mean 2r/R". ``steps`` (with
         ``history``): "edge", "apex" and "cocircular", one row for each cell. With ``finish=True`` the order
@@ -89,9 +92,9 @@ def front_delaunay(
     Raises
     ------
     InputError
-        For points that are equal to one another or to a vertex of the domain, or lie on a piece (with the
-        first such row), for sizes that are not positive and finite, for exponents too wide for one scale, and
-        for ``finish`` with points, or together with ``history``.
+        For points that are equal to one another or to a vertex of the domain, or lie on a piece, by exact
+        signs (with the first such row), for sizes that are not positive and finite, for exponents too wide
+        for one scale, and for ``finish`` with points, or together with ``history``.
 
     Notes
     -----
@@ -142,9 +145,11 @@ def front_delaunay(
         order = hilbert_order(rows)
         made, ties, more = _wrapped(_first_front(sampled, rows, order), power_of_two(rows), bar)
         made = order[made].astype(np.int32)
+    outside = np.empty(0, dtype=np.int64)
     if points is not None:
         loose = np.arange(len(domain.points), len(domain.points) + len(points))
-        more["outside"] = len(points) - int(np.isin(loose, made).sum())
+        outside = np.flatnonzero(~np.isin(loose, made))
+        more["outside"] = len(outside)
     figures, subsegments = quality_figures(rows, made), (sampled.ends, sampled.piece, sampled.span)
     if finish and not spent:
         kept = kept_pieces(True, len(domain.facets), len(domain.pieces), domain.held())
@@ -161,7 +166,8 @@ def front_delaunay(
         domain, subsegments, result, steps=steps, counts=more | counts, figures=figures, unrefined=everything,
         reasons=np.full(len(made), "budget") if spent else None,
     )  # fmt: skip
-    return noticed(paired(domain, mesh))
+    mesh.left_out = frozen(outside.astype(np.int32))
+    return noticed(paired(domain, mesh), _what_is_outside(mesh, points))
 
 
 def _in_space(domain: Domain, points: Any, finish: bool, history: bool, progress: bool) -> DomainMesh:
@@ -172,7 +178,20 @@ def _in_space(domain: Domain, points: Any, finish: bool, history: bool, progress
     if finish:
         raise InputError("finish=True goes with a size, and not with points, which stay where they are")
     mesh = given_points_in_space(domain, rows, history=history, progress=progress)
-    return noticed(mesh, what_is_missing(domain, mesh))
+    told = [_what_is_outside(mesh, rows), what_is_missing(domain, mesh)]
+    return noticed(mesh, "; ".join(filter(None, told)))
+
+
+def _what_is_outside(mesh: DomainMesh, points: NDArray[np.float64] | None) -> str:
+    """How many of the points are outside of the domain, and which; "" if there are none."""
+    rows = mesh.left_out.tolist()
+    if points is None or not rows:
+        return ""
+    first = ", ".join(f"points[{i}]" for i in rows[:MOST_ROWS]) + (", ..." if len(rows) > MOST_ROWS else "")
+    return (
+        f"{len(rows)} of {len(points)} points are outside of the domain and were left out: {first}; "
+        "see mesh.left_out"
+    )
 
 
 # --- the input ------------------------------------------------------------------------------------
@@ -305,10 +324,10 @@ def _wrapped(
         ties, ahead.found[3] = grown(ties, len(front.made)), 0
         return int(k.wrap(front, ahead, waiting, ties, counts, CELLS_A_CALL))
 
-    waiting = waiting_for(front, None)
+    waiting = room_to_wait(None, len(front.ends), len(front.xy))
     k.start_in_turn(front, waiting)
     front = emptied(front, waiting, advance, factor, bar)
-    m = int(front.state[TRIANGLES_MADE])
+    m = int(front.state[CELLS_MADE])
     names = {"cells": m, "cocircular": int(counts[k.TIES]), "hidden": int(counts[k.HIDDEN_TIMES])}
     return front.made[:m, :3].copy(), ties[:m].copy(), names
 
@@ -323,7 +342,10 @@ def _points_ahead(
     constant = 0.0 if field.constant is None else float(table.values[0, 0])
     choices = Choices(0, 0, False, 1.0, 0.0, constant, n + budget, table)
     front, ahead = _first_front(sampled, sampled.points), new_ahead()
-    waiting, counts = waiting_for(front, None), np.zeros(k.WRAP_COUNTS, dtype=np.int64)
+    waiting, counts = (
+        room_to_wait(None, len(front.ends), len(front.xy)),
+        np.zeros(k.WRAP_COUNTS, dtype=np.int64),
+    )
 
     def advance(front: OpenFront, waiting: Waiting) -> int:
         ahead.found[3] = 0
