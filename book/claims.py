@@ -59,6 +59,11 @@ def anchor(name: str) -> str:
     return "claim-" + name.removeprefix("C").replace(".", "-")
 
 
+def to_row(name: str) -> str:
+    """HTML that leads to the row of a claim."""
+    return f'<a href="ledger.ipynb#{anchor(name)}">{name}</a>'
+
+
 def ledger(claims: Iterable[dict[str, Any]]) -> str:
     """The ledger as an HTML table; the website filters its rows by section and verdict."""
     found, changes = cells(), mutations()

@@ -51,7 +51,7 @@ BACK = [
 def write_pages(book: Path, site: Path) -> None:
     """Write one page for each notebook of ``book`` into ``site``; remove pages of notebooks now gone."""
     names = [path.stem for path in sorted(book.glob("*.ipynb"))]
-    indexed = places_of_the_index(book)
+    indexed, ledger = places_of_the_index(book), "ledger" in names
     for old in site.glob("*.ipynb"):
         if old.stem not in names:
             old.unlink()
@@ -66,8 +66,8 @@ def write_pages(book: Path, site: Path) -> None:
                 if name in MADE or re.match(r"(Markdown|HTML)\(", cell.source):
                     cell.metadata["tags"] = ["remove-input"]
             else:
-                cell.source = with_entries(for_sphinx(cell.source), cell.source, indexed.get(name, {}))
-        ledger = "ledger" in names
+                text = linked(for_sphinx(cell.source)) if ledger else for_sphinx(cell.source)
+                cell.source = with_entries(text, cell.source, indexed.get(name, {}))
         notebook.cells = [part for cell in notebook.cells for part in (*anchor(cell, ledger), cell)]
         if name == FRONT:
             notebook.cells.append(nbformat.v4.new_markdown_cell(contents(names), id="contents"))
@@ -154,12 +154,22 @@ def anchor(cell: Any, ledger: bool) -> list[Any]:
     claims = [tag for tag in cell.metadata.get("tags", []) if tag.startswith("C12")]
     if not claims:
         return []
-    rows = [(name, "claim-" + name.removeprefix("C").replace(".", "-")) for name in claims if ledger]
-    links = " ".join(
-        f'<a href="ledger.html#{row}" title="its row in the ledger">{name} ↗</a>' for name, row in rows
-    )
-    text = f'<div class="claims" id="{cell.id}">{links}</div>'
+    links = [to_row(name, f"{name} ↗") for name in claims if ledger]
+    text = f'<div class="claims" id="{cell.id}">{" ".join(links)}</div>'
     return [nbformat.v4.new_markdown_cell(text, id=f"{cell.id}-anchor")]
+
+
+def to_row(name: str, text: str) -> str:
+    """A link to the row of a claim on the page of the ledger."""
+    row = "claim-" + name.removeprefix("C").replace(".", "-")
+    return f'<a href="ledger.html#{row}" title="its row in the ledger">{text}</a>'
+
+
+def linked(text: str) -> str:
+    """Markdown in which the claims that boxes on the source name lead to their rows."""
+    claim = re.compile(r"\bC12(?:\.\d+)*-\d+\b")
+    box = re.compile(r"^:::\{admonition\} Source\n.*?^:::$", flags=re.M | re.S)
+    return box.sub(lambda found: claim.sub(lambda name: to_row(name[0], name[0]), found[0]), text)
 
 
 def slug(fragment: str) -> str:
