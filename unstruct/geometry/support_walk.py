@@ -38,7 +38,7 @@ __all__ = [
 FARTHEST_WALK = 24  # steps: from farther away a search in the tree is quicker
 ON_SIDE = 1e-7  # a point whose weight of a corner is less may lie on the opposite side, but for rounding
 MOST_AROUND = 24  # triangles at a vertex: from a vertex of more, a walk gives way to the tree
-FEW_EDGES = 12  # of a curve: all of them are looked at, without the tree
+SHORT_CURVE = 12  # of a curve: all of them are looked at, without the tree
 NEAR_COSINE_SQUARED = 0.25  # 60 degrees
 WAITING_BOXES = 128  # boxes that wait; a tree of boxes is never half as deep
 
@@ -276,7 +276,7 @@ def nearest_on_chain(held, x, q, chain, place, stack):
     leaves, trial = low.shape[0] // 2, place[3:]
     best, found = np.inf, -1
     first, last = _edges_of(held.chain, chain) if chain >= 0 else (0, 0)
-    step = 1 if last - first <= FEW_EDGES else (last - first) // FEW_EDGES  # a bound from the beginning
+    step = 1 if last - first <= SHORT_CURVE else (last - first) // SHORT_CURVE  # a bound from the beginning
     for e in range(first, last, step):
         square = onto(x[q], held.edges[e], trial)
         if square < best:

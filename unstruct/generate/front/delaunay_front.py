@@ -10,19 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flags
-from ...base.arrays import as_points, frozen
+from ...base.arrays import frozen
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...base.progress import progress_bar
 from ...connect.insertion.engine import grown
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import number_parts
-from ...domain.derived import held_by
 from ...domain.domain import Domain, Sampled, as_domain
 from ...domain.plane.by_region import size_by_region
 from ...geometry.ordering import hilbert_order
 from ...geometry.parity import even_odd, left_parity, right_parity
-from ...geometry.segment_pairs import vertices_on_segments
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...predicates.batch import power_of_two, scaled, unscaled
 from ...sizing import as_size
@@ -37,6 +35,7 @@ from . import delaunay_steps as k
 from .classical import emptied, enter_all, finished_mesh
 from .classical_steps import Choices
 from .empty_circle import new_ahead
+from .given_in_plane import as_given, refuse_on_curves, with_points
 from .made_mesh import Made, domain_mesh_of, neighbors_of, quality_figures
 from .open_front import OpenFront, new_front
 
@@ -124,7 +123,7 @@ def front_delaunay(
         return _in_space(domain, points_or_size, finish, history, progress)
     if not len(domain.facets):
         raise InputError("the domain has no facets, so nothing is inside: give facets")
-    points = _as_given(points_or_size)
+    points = as_given(points_or_size)
     if finish and (history or points is not None):
         told = "points, which stay where they are" if points is not None else "history, since cells change"
         raise InputError(f"finish=True goes with a size, and not with {told}")
@@ -133,8 +132,8 @@ def front_delaunay(
     spent = False
     with progress_bar(progress, " cells") as bar:
         if points is not None:
-            sampled = _with_points(domain, points).sampled()
-            _refuse_on_curves(sampled, points, len(domain.points) + len(points))
+            sampled = with_points(domain, points).sampled()
+            refuse_on_curves(sampled, points, len(domain.points) + len(points))
             rows = sampled.points
         else:
             sampled = domain.sampled(size)
@@ -172,7 +171,7 @@ def front_delaunay(
 
 def _in_space(domain: Domain, points: Any, finish: bool, history: bool, progress: bool) -> DomainMesh:
     """`front_delaunay` for a body."""
-    rows = _as_given(points, 3)
+    rows = as_given(points, 3)
     if rows is None:
         raise InputError("in space front_delaunay takes points (k, 3); with a size use advancing_front")
     if finish:
@@ -194,81 +193,7 @@ def _what_is_outside(mesh: DomainMesh, points: NDArray[np.float64] | None) -> st
     )
 
 
-# --- the input ------------------------------------------------------------------------------------
-
-
-def _as_given(value: Any, dimension: int = 2) -> NDArray[np.float64] | None:
-    """The points, or None if the value is a size."""
-    if not isinstance(value, (list, tuple, np.ndarray)):
-        return None
-    if isinstance(value, np.ndarray) and value.ndim != 2:
-        return None
-    if len(value) and not isinstance(value[0], (list, tuple, np.ndarray)):
-        return None
-    rows = as_points(value) if len(value) else np.empty((0, dimension))
-    if rows.shape[1] != dimension:
-        raise InputError(
-            f"points must have shape (k, {dimension}), not {rows.shape}; a size is a number or a function"
-        )
-    return rows
-
-
-def _with_points(domain: Domain, points: NDArray[np.float64]) -> Domain:
-    """The domain with the points as loose vertices, after its own."""
-    n, rows = len(domain.points), np.concatenate([domain.points, points])
-    _, first, group = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-    copies = np.flatnonzero(first[group.reshape(-1)] != np.arange(len(rows)))
-    if len(copies):
-        i, j = int(copies[0]), int(first[group.reshape(-1)[copies[0]]])
-        other = f"points[{j - n}]" if j >= n else f"vertex {j} of the domain"
-        raise InputError(f"points[{i - n}] = {rows[i].tolist()} is equal to {other}: drop one of them")
-    straight = np.setdiff1d(np.arange(len(domain.pieces)), list(domain.curves))
-    on = vertices_on_segments(rows, np.arange(n, len(rows)), domain.pieces[straight])
-    if len(on):
-        i, s = on[np.argmin(on[:, 0])].tolist()
-        raise InputError(
-            f"points[{i - n}] = {rows[i].tolist()} lies on piece {straight[s]} of the domain: drop it, or "
-            "make it a vertex of the domain that divides the piece"
-        )
-    _refuse_on_curves(domain.sampled(), points, len(domain.points))
-
-    def given(many: int) -> Domain:
-        return Domain(
-            rows[: n + many], domain.facets, inner=domain.inner, curves=domain.curves,
-            markers=domain.markers, regions=domain.regions,
-        )  # fmt: skip
-
-    try:
-        whole = given(len(points))
-    except InputError as error:
-        good, bad = 0, len(points)  # with so many of the points there is a domain, or none
-        while bad - good > 1:
-            middle = (good + bad) // 2
-            try:
-                given(middle)
-                good = middle
-            except InputError:
-                bad = middle
-        raise InputError(
-            f"points[{good}] = {points[good].tolist()} cannot be a vertex of the domain; if it lies on a "
-            f"curve up to rounding, drop it, or make it a vertex that divides the curve ({error})"
-        ) from None
-    return held_by(whole, domain.spacings, domain.matches)
-
-
-def _refuse_on_curves(sampled: Sampled, points: NDArray[np.float64], known: int) -> None:
-    """Refuse points where chords of curves end, which are the points of ``sampled`` from ``known`` on.
-
-    Other points that are on a curve up to rounding make the domain cut it there, or are refused by it.
-    """
-    rest = sampled.points[known:].tolist()
-    place = {tuple(x): i for i, x in enumerate(points.tolist())} if rest else {}
-    on = [place[x] for x in map(tuple, rest) if x in place]
-    if on:
-        raise InputError(
-            f"points[{min(on)}] = {points[min(on)].tolist()} lies on a curve of the domain: drop it, or make "
-            "it a vertex of the domain that divides the curve"
-        )
+# --- the first front ------------------------------------------------------------------------------
 
 
 def _first_front(

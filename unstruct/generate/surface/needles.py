@@ -10,7 +10,7 @@ from .given_flips import flip_needles
 
 __all__ = ["without_needles"]
 
-SAME_PLANE = 2.0**-50  # in scaled coordinates, up to 1: as far apart may two diagonals be
+SAME_PLACES = 2.0**-50  # in scaled coordinates, up to 1: as far apart may two diagonals be
 
 
 def without_needles(given: GivenSurface) -> GivenSurface:
@@ -23,7 +23,7 @@ def without_needles(given: GivenSurface) -> GivenSurface:
     xyz = support.points * support.factor
     sound = np.flatnonzero((rows != rows[:, [1, 2, 0]]).all(axis=1))
     sound = sound[np.setdiff1d(np.arange(len(sound)), flat_rows(support.points, rows[sound]))]
-    found = flip_needles(xyz, rows[sound].astype(np.int32), support.features, SAME_PLANE)
+    found = flip_needles(xyz, rows[sound].astype(np.int32), support.features, SAME_PLACES)
     if found.flips == 0:
         return given
     triangles = rows.copy()
