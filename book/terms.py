@@ -175,13 +175,17 @@ def entries() -> list[Entry]:
 
 
 def people() -> list[Entry]:
-    """The authors of works that chapters cite."""
+    """The authors of works that chapters cite; where two have one family name, the initial decides."""
     names = {name for work, cited in works.places().items() if cited for name in work.authors}
-    families = {name: name.split(",")[0] for name in sorted(names)}
-    return [
-        Entry(name, rf"\b{re.escape(family)}\b", "person", hint=family.lower())
-        for name, family in families.items()
-    ]
+    families = Counter(name.split(",")[0] for name in names)
+    found = []
+    for name in sorted(names):
+        family, given = name.split(", ", 1)
+        finds = rf"\b{re.escape(family)}\b".replace("\\ ", " ")
+        if families[family] > 1:
+            finds = rf"\b{re.escape(given[0])}\.[^,;]{{0,8}}{finds}"
+        found.append(Entry(name, finds, "person", hint=family.lower()))
+    return found
 
 
 def functions() -> list[Entry]:

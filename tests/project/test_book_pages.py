@@ -189,6 +189,8 @@ def test_the_index(book: dict[str, ModuleType]) -> None:
     names = [entry.name for entry in entries]
     assert len({(entry.name, entry.kind) for entry in entries}) == len(names)
     assert {"Rebay, S.", "sliver", "voronoi_segment", "terrain"} <= set(names)
+    authors = {name for work, cited in book["works"].places().items() if cited for name in work.authors}
+    assert set(kinds["person"]) == authors
     text = shown("index-of-terms")
     assert text.count("<li>") == len(entries)
     for entry in entries:
