@@ -58,7 +58,7 @@ def lawson(
 
 
 def flip(apex: dict[Edge, int], u: int, v: int) -> None:
-    """Replace the diagonal uv of the quadrilateral u, q, v, p by pq; p is left of uv."""
+    """Replace the diagonal uv of u, q, v, p by pq, where p is left of uv."""
     p, q = apex.pop((u, v)), apex.pop((v, u))
     for t in [(p, u, q), (q, v, p)]:
         apex.update(_corners(t))
