@@ -35,7 +35,6 @@ def chapters() -> list[Path]:
 OLD_FORM = (
     "1-",
     "2.0",
-    "2.1",
     "2.2",
     "2.3",
     "2.4a",
