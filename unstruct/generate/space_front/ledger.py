@@ -1,8 +1,7 @@
 """What the front in space keeps: its rule, its record, its counts, its queue and its faces, compiled.
 
-As in the plane, cells wait in buckets (`generate.rebay.queue`), and are graded only when they are queued:
-most new cells are replaced before the front arrives. Helpers here are inlined, since a record with forty
-arrays is copied at each call: that took two thirds of the time. Book: 3.5.
+The queue is that of the plane, too (`generate.advancing.queue`). Helpers here are inlined, since a record
+with forty arrays is copied at each call: that took two thirds of the time. Book: 3.5.
 """
 
 from __future__ import annotations
@@ -19,6 +18,7 @@ from ...connect.spatial.numbered import Numbered
 from ...connect.spatial.opening import STAR_CELLS, STAR_WALLS, Star
 from ...connect.spatial.records import Solid
 from ...connect.spatial.star import commit_star
+from ..advancing.queue import LAST_LEVEL, crosses_front, leaves_queue, sent_last
 from ..rebay.queue import ACCEPTED, LEVEL, STATUS, WAITING, bucket_of, push, unlink
 from ..volume_points.limits import BodyLimits, wanted_in_space
 from ..volume_points.measures import cell_center
@@ -30,7 +30,6 @@ NEW_APEX, SMALL_CELL, EMPTY_SPHERE, NEAR_APEX, AT_DIHEDRAL, CLOSED_CELL, CENTER_
 # Further counts: cells set aside, and ideal points that were not possible; then cells and vertices so far.
 CELLS_ASIDE, APEX_OUTSIDE, APEX_ENCROACHES, APEX_NEAR, APEX_FLAT = range(8, 13)
 CELLS_DONE, VERTICES_USED, SPACE_COUNTS = 13, 14, 15
-LAST_BUCKET = 0  # of cells that are set aside: it is served when all others are empty
 FRONT_MARK = 2**30  # the mark of faces of the front that are on no facet
 
 CELL_ACCEPT = 1.1  # a cell ahead with R < CELL_ACCEPT f is accepted as it is
@@ -127,22 +126,15 @@ def grade_cell(march, t, out):
             measure = square / (rule.scale * h * h)
     buckets = len(march.gates) // 2
     level = bucket_of(measure, buckets - 1) if measure < 1e300 else buckets - 2
-    links[t, LEVEL] = LAST_BUCKET + 1 + level
+    links[t, LEVEL] = LAST_LEVEL + 1 + level
 
 
 @inline
 def enqueue_cell(march, t, out):
-    """Put an unfinished cell that has just got a face at the front in the queue.
-
-    If it waits already, it is taken from its place; it stays there if its grade cannot have changed.
-    """
-    links = march.links
-    waits = links[t, STATUS] >= 0
-    if not waits or links[t, LEVEL] == LAST_BUCKET or march.rule.order == SMALLEST_FACE:
-        if waits:
-            unlink(links, march.gates, t, WAITING)
+    """Put an unfinished cell that has just got a face at the front in the queue."""
+    if leaves_queue(march, t, march.rule.order == SMALLEST_FACE):
         grade_cell(march, t, out)
-        push(links, march.gates, march.turn, t, False)
+        push(march.links, march.gates, march.turn, t, False)
 
 
 @inline
@@ -165,13 +157,7 @@ def accept_cell(march, diary, counts, face, reason):
 @inline
 def face_enters(solid, face):
     """Let a face of an accepted cell enter the front, or leave it; whether it enters."""
-    mark, over = solid.mark, solid.across[face]
-    if mark[face] == FRONT_MARK:
-        mark[face] = mark[over] = -1
-    elif mark[face] < 0:
-        mark[face] = mark[over] = FRONT_MARK
-        return True
-    return False
+    return crosses_front(solid.mark, face, solid.across[face], FRONT_MARK)
 
 
 @inline
@@ -265,15 +251,7 @@ def shuffle_rows(state, rows):
 
 @inline
 def cell_aside(march, counts, t):
-    """Whether cell t, for none of whose faces an ideal point was possible, is now set aside.
-
-    At first it is, since the front may reach it from another side. At the end it is not a second time.
-    """
-    links = march.links
-    if links[t, LEVEL] == LAST_BUCKET:
-        return False
-    unlink(links, march.gates, t, WAITING)
-    links[t, LEVEL] = LAST_BUCKET
-    push(links, march.gates, march.turn, t, False)
-    counts[CELLS_ASIDE] += 1
-    return True
+    """Whether cell t, for none of whose faces an ideal point was possible, is now set aside."""
+    aside = sent_last(march, t, False)
+    counts[CELLS_ASIDE] += aside
+    return aside

@@ -18,6 +18,7 @@ from ...connect.spatial.opening import STAR_WALLS, Star
 from ...connect.spatial.records import Solid
 from ...connect.spatial.star import in_star
 from ...sizing.space_metric_table import SpaceMetricNodes
+from ..advancing.queue import LAST_LEVEL
 from ..rebay.queue import ACCEPTED, LEVEL, STATUS, WAITING, bucket_of, next_slot, push, unlink
 from ..volume_points.limits import REGULAR
 from ..volume_points.measures import cell_center
@@ -69,7 +70,7 @@ def enqueue_in_metric(march, t, out):
     """Put an unfinished cell that has just got a face at the front in the queue, as `ledger.enqueue_cell`."""
     solid, links = march.solid, march.links
     waits = links[t, STATUS] >= 0
-    if not waits or links[t, LEVEL] == book.LAST_BUCKET:
+    if not waits or links[t, LEVEL] == LAST_LEVEL:
         if waits:
             unlink(links, march.gates, t, WAITING)
         measure = 1.0
@@ -77,7 +78,7 @@ def enqueue_in_metric(march, t, out):
             measure = square_of_cell(solid.xyz, solid.vertex, t, march.table, march.local, out) / SMALL_SQUARE
         buckets = len(march.gates) // 2
         level = bucket_of(measure, buckets - 1) if measure < 1e300 else buckets - 2
-        links[t, LEVEL] = book.LAST_BUCKET + 1 + level
+        links[t, LEVEL] = LAST_LEVEL + 1 + level
         push(links, march.gates, march.turn, t, False)
 
 
