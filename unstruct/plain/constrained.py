@@ -29,6 +29,7 @@ __all__ = [
 Points = Sequence[Sequence[Any]]
 Triangle = tuple[int, int, int]
 Edge = tuple[int, int]
+Crossing = tuple[list[Triangle], list[int], list[int]]
 
 
 @dataclass(frozen=True)
@@ -100,17 +101,19 @@ def on_segment(points: Points, cells: Iterable[Triangle], a: int, b: int) -> lis
 
 def march(
     points: Points, apex: dict[Edge, int], closed: Iterable[frozenset[int]], a: int, b: int
-) -> tuple[list[Triangle], list[int], list[int]]:
-    """The triangles that the segment ab crosses, and the vertices above and below it, ends included."""
+) -> Crossing:
+    """The triangles that ab crosses, and the vertices above and below it, ends included."""
 
     def side(v: int) -> int:
         return 0 if v == b else orient([points[a], points[b], points[v]])
 
-    right, left = next(e for e, corner in apex.items() if corner == a and side(e[0]) < 0 < side(e[1]))
+    around = (edge for edge, corner in apex.items() if corner == a)
+    right, left = next(edge for edge in around if side(edge[0]) < 0 < side(edge[1]))
     above, below, crossed = [a, left], [a, right], [triangle(a, right, left)]
     while True:
         if frozenset((left, right)) in closed:
-            raise MeshError(f"segment {(a, b)} crosses segment {tuple(sorted((left, right)))}")
+            other = tuple(sorted((left, right)))
+            raise MeshError(f"segment {(a, b)} crosses segment {other}")
         corner = apex[left, right]
         crossed.append(triangle(left, right, corner))
         if side(corner) >= 0:
@@ -123,7 +126,7 @@ def march(
 
 
 def fill(points: Points, chain: Sequence[int]) -> list[Triangle]:
-    """Constrained Delaunay triangles of the polygon on the left of the base from chain[0] to chain[-1]."""
+    """The triangles of the polygon on the left of the base from chain[0] to chain[-1]."""
     if len(chain) == 2:
         return []
     a, b, k = chain[0], chain[-1], 1
