@@ -29,6 +29,8 @@ __all__ = [
 Points = Sequence[Sequence[Any]]
 Triangle = tuple[int, int, int]
 Edge = tuple[int, int]
+Apex = dict[Edge, int]
+Walls = Iterable[frozenset[int]]
 Crossing = tuple[list[Triangle], list[int], list[int]]
 
 
@@ -99,10 +101,8 @@ def on_segment(points: Points, cells: Iterable[Triangle], a: int, b: int) -> lis
     return [a, *line, b]
 
 
-def march(
-    points: Points, apex: dict[Edge, int], closed: Iterable[frozenset[int]], a: int, b: int
-) -> Crossing:
-    """The triangles that ab crosses, and the vertices above and below it, ends included."""
+def march(points: Points, apex: Apex, closed: Walls, a: int, b: int) -> Crossing:
+    """The triangles that ab crosses; the vertices above and below, with the ends."""
 
     def side(v: int) -> int:
         return 0 if v == b else orient([points[a], points[b], points[v]])
