@@ -19,6 +19,7 @@ HOW_TO = [
     "howto-airfoil-to-su2",
     "howto-boundary-conditions",
     "howto-sizes",
+    "howto-stretched-bodies",
     "howto-refine-again",
     "howto-three-dimensions",
     "howto-mesh-a-body",

@@ -122,7 +122,11 @@ def _fronts_in_space() -> None:
     unstruct.advancing_front(body, 0.6)
     unstruct.advancing_front(body, _grid, history=True)
     metric = unstruct.sizing.directional_space([[1, 0, 0], [0, 1, 0], [0, 0, 1]], [0.6, 0.6, 0.3])
-    unstruct.advancing_front(body, unstruct.sizing.intersection_space(metric, 0.5))
+    mesh = unstruct.advancing_front(body, unstruct.sizing.intersection_space(metric, 0.5))
+    at_vertices = unstruct.sizing.metric_background(mesh, metric.at(mesh.points))
+    for space in ("metric", "space"):
+        at_vertices = unstruct.sizing.gradation(at_vertices, 0.5, space=space)
+    unstruct.advancing_front(body, at_vertices)
 
 
 def _metrics() -> None:

@@ -79,3 +79,12 @@ def test_what_is_not_a_number_stays_so(function: Callable) -> None:
     assert np.isnan(function([np.nan])).all()
     assert np.isnan(elementary.turns([np.nan, 0.0], [0.0, np.nan])).all()
     assert len(function([])) == 0
+
+
+def test_logarithms() -> None:
+    """Within two units in the last place of the C library's, from the least double to the largest."""
+    rng = np.random.default_rng(0)
+    wide, near = np.exp(rng.uniform(-700, 700, 2000)), rng.uniform(0.5, 2.0, 2000)
+    for x in [*wide.tolist(), *near.tolist(), 5e-324, 1.7e308, 1.0]:
+        true = math.log(x)
+        assert abs(elementary.logarithm(x) - true) <= 2 * math.ulp(true)

@@ -22,6 +22,7 @@ SQUARE = u.Domain(
     np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float), [(0, 1), (1, 2), (2, 3), (3, 0)],
     markers={"a": [0], "c": [2]}, regions={"r": (0.3, 0.35)},
 )  # fmt: skip
+CORNER = u.Mesh([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1, 2, 3)])
 SURFACE = u.Mesh([(0, 0, 0), (4, 0, 0), (0, 4, 0), (1, 1, 1)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)])
 CLOUD = np.random.default_rng(0).random((30, 2))
 LAYERS = u.Layers(first=0.02, growth=1.3, count=2)
@@ -89,6 +90,13 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
         ),
         "directional_space": (sizing.directional_space, (np.eye(3), [0.1, 0.2, 0.3]), {}),
         "intersection_space": (sizing.intersection_space, (0.5,), {}),
+        "metric_background in space": (sizing.metric_background, (CORNER, [np.eye(3)] * 4), {}),
+        "gradation in space": (
+            sizing.gradation, (sizing.metric_background(CORNER, [np.eye(3)] * 4), 0.3), {"space": "space"},
+        ),
+        "metric_from_hessian in space": (
+            sizing.metric_from_hessian, (CORNER, [np.eye(3)] * 4, 0.1), {"lower": 0.1, "upper": 1.0},
+        ),
         "front_delaunay": (u.front_delaunay, (SQUARE, 0.3), {}),
         "advancing_layers": (u.advancing_layers, (SQUARE, 0.2), {"layers": LAYERS, "walls": ["a"]}),
         "surface_delaunay": (u.surface_delaunay, (SURFACE,), {}),

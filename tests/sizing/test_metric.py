@@ -203,7 +203,7 @@ def test_background(mesh: unstruct.DomainMesh) -> None:
     with pytest.raises(InputError, match="one matrix per vertex"):
         sizing.metric_background(mesh, np.eye(2))
     with pytest.raises(MeshError, match="triangles in the plane"):
-        sizing.metric_background(unstruct.delaunay(np.random.default_rng(0).random((9, 3))), np.eye(2))
+        sizing.metric_background(unstruct.Domain.ball(size=0.9).surface, np.eye(2))
 
 
 def test_second_derivatives_give_directions_lengths_and_the_error(mesh: unstruct.DomainMesh) -> None:

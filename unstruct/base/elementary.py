@@ -1,10 +1,10 @@
-"""Sines, arctangents and exponentials that are equal, bit for bit, on every processor.
+"""Sines, arctangents, exponentials and logarithms that are equal, bit for bit, on every processor.
 
 The rounding of the functions of the C library depends on whether multiplications are fused, and that of numpy
 also on the width of its vectors. A mesh of a region with arcs would then depend on the machine. The functions
 here consist of single additions, multiplications, divisions and square roots in a fixed order. Each of these
 is rounded according to IEEE 754, compiled or not. The error of sines, cosines and exponentials is below one
-unit in the last place, and that of arctangents and arcsines is below two.
+unit in the last place, and that of arctangents, arcsines and logarithms is below two.
 """
 
 from __future__ import annotations
@@ -17,7 +17,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from .jit import inline, kernel, lean
 
-__all__ = ["angle_of", "arcsine", "cosine", "cosines", "exponentials", "sine", "sines", "turns"]
+__all__ = [
+    "angle_of", "arcsine", "cosine", "cosines", "exponential", "exponentials", "logarithm", "sine", "sines",
+    "turns",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 
@@ -27,6 +30,7 @@ TWO_OVER_PI = 0.6366197723675814
 HALF_PI_1, HALF_PI_2, HALF_PI_3 = 1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
 HALF_PI, HALF_PI_REST = 1.5707963267948966, 6.123233995736766e-17
 LN2_HIGH, LN2_LOW, INVERSE_LN2 = 0.6931471803691238, 1.9082149292705877e-10, 1.4426950408889634
+HALF_ROOT = 0.7071067811865476
 FAR = 524288.0  # larger angles, in right angles, are first reduced by the remainder of a division
 STEPS = 16  # the table contains the arctangents of k / 16, and their rests beyond double precision
 TANGENTS = np.arange(STEPS + 1) / STEPS
@@ -143,7 +147,7 @@ def arcsine(x):
 
 
 @inline
-def _exponential(x):
+def exponential(x):
     """e to the power of x: a power of two times e^r, with e^r by its Taylor series."""
     if x > 709.782712893384:
         return math.inf
@@ -158,6 +162,25 @@ def _exponential(x):
     p = 1.0 / 24.0 + r * (1.0 / 120.0 + r * (1.0 / 720.0 + r * (1.0 / 5040.0 + r * (1.0 / 40320.0 + r * p))))
     p = r * r * (0.5 + r * (1.0 / 6.0 + r * p))
     return math.ldexp(1.0 + (r + (p + rest)), int(k))
+
+
+@lean
+def logarithm(x):
+    """The natural logarithm of a positive finite number.
+
+    With x = 2^k (1 + f), 1 / sqrt(2) < 1 + f < sqrt(2), and s = f / (2 + f), it is k ln 2 + 2 artanh(s).
+    """
+    m, k = math.frexp(x)
+    if m < HALF_ROOT:
+        m, k = 2.0 * m, k - 1
+    f = m - 1.0
+    s = f / (2.0 + f)
+    z = s * s
+    p = 2.0 / 15.0 + z * (2.0 / 17.0 + z * (2.0 / 19.0 + z * (2.0 / 21.0 + z * (2.0 / 23.0))))
+    p = 2.0 / 7.0 + z * (2.0 / 9.0 + z * (2.0 / 11.0 + z * (2.0 / 13.0 + z * p)))
+    p = z * (2.0 / 3.0 + z * (2.0 / 5.0 + z * p))
+    half = 0.5 * f * f  # 2 s = f - s f, and s f = f^2 / 2 - s f^2 / 2
+    return k * LN2_HIGH - ((half - (s * (half + p) + k * LN2_LOW)) - f)
 
 
 # ---------------------------------------------------------------------- arrays
@@ -184,7 +207,7 @@ def _turns(y, x, result):
 @kernel
 def _exponentials(x, result):
     for i in range(x.shape[0]):
-        result[i] = math.nan if math.isnan(x[i]) else _exponential(x[i])
+        result[i] = math.nan if math.isnan(x[i]) else exponential(x[i])
 
 
 def _each(compiled: Any, *arrays: ArrayLike) -> Array:

@@ -5,6 +5,8 @@ See the book, chapter 2.7.
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -90,6 +92,16 @@ class Support:
         self.features, self.chain = frozen(found.edges), frozen(found.chain)
         self.corners = frozen(found.corners)
         self.held = _held(xyz, rows, np.array(self.normals), found.edges, found.chain)
+
+    def of_triangles(self, triangles: ArrayLike) -> Support:
+        """The same surface divided into other triangles of the same vertices, with the same features."""
+        result = copy(self)
+        rows = _rows(triangles, 3, "triangles", len(self.points))
+        result.triangles = frozen(rows)
+        xyz = self.points * self.factor
+        result.normals = frozen(unit_normals(xyz, rows))
+        result.held = _held(xyz, rows, np.array(result.normals), self.features, self.chain)
+        return result
 
     def nearest(
         self, x: ArrayLike, hint: ArrayLike | None = None, normals: ArrayLike | None = None
@@ -277,7 +289,7 @@ def _held(
     start = np.searchsorted(rows.ravel()[order], np.arange(len(xyz) + 1))
     return Held(
         corners, rows, normals, start, order // 3, tree.low, tree.high, tree.order,
-        flat, chain, curves.low, curves.high, curves.order,
+        flat, chain, curves.low, curves.high, curves.order, np.zeros(len(rows), dtype=np.int64), 0.0,
     )  # fmt: skip
 
 

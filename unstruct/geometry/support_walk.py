@@ -6,7 +6,9 @@ close to itself. A search in the tree of boxes, with the distance of the walk as
 from the beginning, then looks at few boxes, and is certain (up to rounding of the distances).
 
 With a normal, only triangles count whose normal has a positive product with it: the other side of a thin
-plate does not, nor do flat triangles, whose normal is zero.
+plate does not, nor do flat triangles, whose normal is zero. A surface may be held more strictly: other
+parts, which it is not joined to, do not count then, and triangles come first whose normals are nearer to the
+given one. Where a surface crosses itself, the other sheet is as near.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from numpy.typing import NDArray
 from ..base.jit import apart, inline, kernel
 from .boxes import BOXES_IN_LEAF, square_to_box
 from .segment_tree import to_box
+from .support_features import united
 from .triangle_tree import onto, square_to_triangle
 
 __all__ = [
@@ -28,12 +31,15 @@ __all__ = [
     "nearest_from",
     "nearest_on_chain",
     "nearest_rows",
+    "strictly",
     "walked",
 ]
 
 FARTHEST_WALK = 24  # steps: from farther away a search in the tree is quicker
 ON_SIDE = 1e-7  # a point whose weight of a corner is less may lie on the opposite side, but for rounding
 MOST_AROUND = 24  # triangles at a vertex: from a vertex of more, a walk gives way to the tree
+SHORT_CURVE = 12  # of a curve: all of them are looked at, without the tree
+NEAR_COSINE_SQUARED = 0.25  # 60 degrees
 WAITING_BOXES = 128  # boxes that wait; a tree of boxes is never half as deep
 
 
@@ -56,6 +62,10 @@ class Held(NamedTuple):
     chain : (k,) int64
     edge_low, edge_high, edge_order
         The tree of boxes of the feature edges.
+    part : (m,) int64
+        Only triangles with the number of that of the guess count. All 0, if it is not held strictly.
+    least : float
+        The square of the cosine that comes first; 0 without strictness.
     """
 
     corners: NDArray[np.float64]
@@ -71,14 +81,34 @@ class Held(NamedTuple):
     edge_low: NDArray[np.float64]
     edge_high: NDArray[np.float64]
     edge_order: NDArray[np.int64]
+    part: NDArray[np.int64]
+    least: float
 
 
 @inline
-def _admitted(normals, t, n):
+def _admitted(normals, t, n, least):
     """Whether triangle t faces the direction n; with n = 0, all do."""
     if n[0] == 0.0 and n[1] == 0.0 and n[2] == 0.0:
         return True
-    return normals[t, 0] * n[0] + normals[t, 1] * n[1] + normals[t, 2] * n[2] > 0.0
+    along = normals[t, 0] * n[0] + normals[t, 1] * n[1] + normals[t, 2] * n[2]
+    return along > 0.0 and along * along >= least * (n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+
+
+@kernel
+def _joined_parts(rows, one, two):
+    """Write pairs of vertices that are in one triangle."""
+    for t in range(rows.shape[0]):
+        one[2 * t], two[2 * t] = rows[t, 0], rows[t, 1]
+        one[2 * t + 1], two[2 * t + 1] = rows[t, 1], rows[t, 2]
+
+
+def strictly(held: Held) -> Held:
+    """The same surface, its sheets kept apart as far as parts and directions tell them."""
+    one, two = (np.empty(2 * len(held.rows), dtype=np.int64) for _ in range(2))
+    _joined_parts(held.rows, one, two)
+    parent = np.arange(len(held.start))
+    united(one, two, parent)
+    return held._replace(part=parent[held.rows[:, 0]], least=NEAR_COSINE_SQUARED)
 
 
 @inline
@@ -107,7 +137,7 @@ def walked(held, p, n, t, place):
     """
     rows, trial = held.rows, place[3:]
     best = onto(p, held.corners[t], place)
-    good = _admitted(held.normals, t, n)
+    good = _admitted(held.normals, t, n, held.least)
     for _ in range(FARTHEST_WALK):
         moved = False
         k = 0 if place[0] > ON_SIDE else (1 if place[1] > ON_SIDE else 2)  # it depends on this corner
@@ -120,7 +150,7 @@ def walked(held, p, n, t, place):
         now = t
         for i in range(held.start[v], held.start[v + 1]):
             s = held.around[i]
-            if s == now or not _admitted(held.normals, s, n):
+            if s == now or not _admitted(held.normals, s, n, held.least):
                 continue
             if good and other >= 0 and not _is_in(rows, s, other):
                 continue
@@ -139,11 +169,13 @@ def walked(held, p, n, t, place):
 def _searched(held, x, q, n, t, best, place, stack):
     """The triangle nearest to point x[q] of those that face n and are nearer than sqrt(best), else t.
 
-    If t is -1 and none faces n, then all count.
+    If t is negative, it is -1 - t with t any triangle in the right part; if none faces n, then all count.
     """
+    part = held.part[max(t, -1 - t)]
     low, high, order, corners, trial = held.low, held.high, held.order, held.corners, place[3:]
     leaves, px, py, pz = low.shape[0] // 2, x[q, 0], x[q, 1], x[q, 2]
-    for everyone in range(2):
+    for level in range(3):
+        least = held.least if level == 0 else 0.0
         stack[0], size = 1, 1
         while size > 0:
             size -= 1
@@ -153,7 +185,9 @@ def _searched(held, x, q, n, t, best, place, stack):
             if w >= leaves:
                 first = (w - leaves) * BOXES_IN_LEAF
                 for k in range(first, min(first + BOXES_IN_LEAF, order.shape[0])):
-                    if everyone == 0 and not _admitted(held.normals, order[k], n):
+                    if held.part[order[k]] != part:
+                        continue
+                    if level < 2 and not _admitted(held.normals, order[k], n, least):
                         continue
                     if square_to_triangle(px, py, pz, corners, order[k]) >= best:
                         continue
@@ -197,7 +231,7 @@ def nearest_from(held, x, q, n, t, place, stack):
     """
     found = walked(held, x[q], n, t, place)
     best = onto(x[q], held.corners[found], place) if found >= 0 else np.inf
-    return _searched(held, x, q, n, max(found, -1), best, place, stack)
+    return _searched(held, x, q, n, found, best, place, stack)
 
 
 @kernel
@@ -211,6 +245,26 @@ def nearest_rows(held, x, normals, which, places):
         places[q, 0], places[q, 1], places[q, 2] = place[0], place[1], place[2]
 
 
+@inline
+def _edges_of(chains, chain):
+    """The first edge of a chain and the one after its last: chains are sorted."""
+    low, high = 0, chains.shape[0]
+    while low < high:
+        middle = (low + high) // 2
+        if chains[middle] < chain:
+            low = middle + 1
+        else:
+            high = middle
+    first, high = low, chains.shape[0]
+    while low < high:
+        middle = (low + high) // 2
+        if chains[middle] <= chain:
+            low = middle + 1
+        else:
+            high = middle
+    return first, low
+
+
 @kernel
 def nearest_on_chain(held, x, q, chain, place, stack):
     """The feature edge of a chain that is nearest to x[q], -1 if there is none.
@@ -221,6 +275,16 @@ def nearest_on_chain(held, x, q, chain, place, stack):
     low, high, order = held.edge_low, held.edge_high, held.edge_order
     leaves, trial = low.shape[0] // 2, place[3:]
     best, found = np.inf, -1
+    first, last = _edges_of(held.chain, chain) if chain >= 0 else (0, 0)
+    step = 1 if last - first <= SHORT_CURVE else (last - first) // SHORT_CURVE  # a bound from the beginning
+    for e in range(first, last, step):
+        square = onto(x[q], held.edges[e], trial)
+        if square < best:
+            best, found = square, e
+            place[1] = trial[1] + trial[2]
+            place[0] = 1.0 - place[1]
+    if found >= 0 and step == 1:
+        return found
     stack[0], size = 1, 1
     while size > 0:
         size -= 1

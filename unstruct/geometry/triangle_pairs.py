@@ -18,6 +18,7 @@ from ..predicates.batch import scaled
 from ..predicates.filters import filter_orient2
 from ..predicates.kernels import orient2, orient3
 from .boxes import BoxTree, bounding_boxes
+from .evened import evened
 
 __all__ = [
     "EDGES_CROSS", "OVERLAP", "PIERCES", "VERTEX_ON_EDGE", "VERTEX_ON_TRIANGLE", "Meetings", "clear_view",
@@ -293,13 +294,15 @@ def meetings_in_space(points: np.ndarray, triangles: np.ndarray, edges: np.ndarr
         Sorted by edge; exact. O((e + t) log t) for triangles of a surface.
     """
     xyz = unit_points(points)
-    tree = BoxTree(*bounding_boxes(xyz[triangles]))
+    where, slack = evened(xyz, edges)
+    low, high = bounding_boxes(where[triangles])
+    tree = BoxTree(low - slack, high + slack)
     views = np.empty(len(triangles), dtype=np.int8)
     _views(xyz, triangles, views)
     found = []
     for first in range(0, len(edges) if len(triangles) else 0, EDGES_AT_ONCE):
         part = edges[first : first + EDGES_AT_ONCE]
-        query, hit = tree.pairs(*bounding_boxes(xyz[part]))
+        query, hit = tree.pairs(*bounding_boxes(where[part]))
         pairs = np.stack([query + first, hit])
         kinds, vertices = np.empty(len(query), dtype=np.int8), np.empty(len(query), dtype=np.int32)
         count = _judge(xyz, edges, triangles, views, pairs, kinds, vertices)

@@ -13,7 +13,7 @@ from .boxes import BOXES_IN_LEAF, BoxTree, bounding_boxes, square_to_box
 __all__ = ["TriangleTree", "onto", "square_to_triangle"]
 
 Array = NDArray[np.float64]
-THIN_SQUARED = 1e-4  # the squared sine of an angle of half a degree
+THIN_SQUARED = 1e-3  # the squared sine of an angle of two degrees
 DEEPEST_SEARCH = 128  # nodes that wait; a tree of boxes is never half as deep
 
 

@@ -70,6 +70,8 @@ class DomainMesh(Mesh):
     ----------
     complete : bool
         Whether everything that was asked for was reached; ``unrefined`` is then empty.
+    left_out : ndarray of int32, shape (k,)
+        The rows of points given besides the domain that are outside of it, and not in the mesh.
     """
 
     @named(MeshOptions)
@@ -173,6 +175,7 @@ class DomainMesh(Mesh):
         steps: Mapping[str, NDArray] | None,
     ) -> None:
         self.unrefined: np.ndarray = NO_CELLS
+        self.left_out: np.ndarray = NO_CELLS
         if unrefined is not None:
             self.unrefined = frozen(np.asarray(unrefined, np.int32))
         self.reasons: np.ndarray = NO_REASONS

@@ -42,12 +42,14 @@ from .source_sizes import sources as sources
 from .space_metric import SpaceMetric as SpaceMetric
 from .space_metric import directional_space as directional_space
 from .space_metric import intersection_space as intersection_space
+from .space_metric_mesh import BackgroundSpaceMetric as BackgroundSpaceMetric
 from .surface import from_facets as from_facets
 from .table import SizeTable as SizeTable
 
 __all__ = [
     "Background",
     "BackgroundMetric",
+    "BackgroundSpaceMetric",
     "FeatureSize",
     "LimitedSize",
     "Metric",

@@ -18,7 +18,7 @@ from ..mesh.mesh import Mesh, is_planar
 from ..predicates.batch import orient
 from .field import SizeField
 
-__all__ = ["Background", "background", "fills_its_space", "limit_nodes"]
+__all__ = ["Background", "background", "fills_its_space", "limit_nodes", "refuse_flat", "weights_in_cells"]
 
 Array = NDArray[np.float64]
 
@@ -62,22 +62,26 @@ class Background(SizeField):
         return result
 
     def _within(self, cells: NDArray[np.int32], x: Array) -> Array:
-        corners = self.mesh.points[self.mesh.simplices[cells]]
-        away, exponent = corners - x[:, None], exponents(corners - x[:, None])
-        away = np.ldexp(away, -exponent[:, None, None])  # squares of lengths may be beyond the doubles
-        weights = np.empty(away.shape[:2])
-        if self.mesh.dimension == 2:
-            for i in range(3):
-                a, b = away[:, (i + 1) % 3], away[:, (i + 2) % 3]
-                weights[:, i] = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
-        else:
-            for i, (j, k, m) in enumerate(((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))):
-                weights[:, i] = (away[:, j] * np.cross(away[:, k], away[:, m])).sum(axis=1)
-        weights /= weights.sum(axis=1, keepdims=True)
-        values = self.values[self.mesh.simplices[cells]]
+        rows = self.mesh.simplices[cells]
+        weights, values = weights_in_cells(self.mesh.points[rows], x), self.values[rows]
         # The cell is exact, but the weights are rounded. Clipping to the range of the corner values makes
         # sure that no size is negative.
         return np.clip((weights * values).sum(axis=1), values.min(axis=1), values.max(axis=1))
+
+
+def weights_in_cells(corners: Array, x: Array) -> Array:
+    """The weights of the corners (k, d + 1, d) of simplices whose means the points (k, d) are, rounded."""
+    away, exponent = corners - x[:, None], exponents(corners - x[:, None])
+    away = np.ldexp(away, -exponent[:, None, None])  # squares of lengths may be beyond the doubles
+    weights = np.empty(away.shape[:2])
+    if x.shape[1] == 2:
+        for i in range(3):
+            a, b = away[:, (i + 1) % 3], away[:, (i + 2) % 3]
+            weights[:, i] = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    else:
+        for i, (j, k, m) in enumerate(((1, 2, 3), (0, 3, 2), (0, 1, 3), (0, 2, 1))):
+            weights[:, i] = (away[:, j] * np.cross(away[:, k], away[:, m])).sum(axis=1)
+    return weights / weights.sum(axis=1, keepdims=True)
 
 
 def fills_its_space(mesh: object) -> bool:
@@ -85,6 +89,14 @@ def fills_its_space(mesh: object) -> bool:
     if is_planar(mesh):
         return True
     return isinstance(mesh, Mesh) and list(mesh.cells) == ["tetra"] and mesh.points.shape[1] == 3
+
+
+def refuse_flat(mesh: Mesh) -> None:
+    """Raise an error if a background mesh has a flat cell, in which nothing can be interpolated."""
+    flat = np.nonzero(np.atleast_1d(orient(mesh.corners)) == 0)[0]
+    if len(flat):
+        kind = "triangle" if mesh.dimension == 2 else "tetrahedron"
+        raise MeshError(f"{kind} {flat[0]} of the background mesh is flat; remove it first")
 
 
 def _nodal(mesh: Mesh, values: ArrayLike) -> Array:
@@ -135,10 +147,7 @@ def background(mesh: Mesh, values: ArrayLike) -> Background:
     chapter's generalized choice of the insertion triangle (12.2.6). See the book, chapter 2.3.
     """
     nodal = _nodal(mesh, values)
-    flat = np.nonzero(np.atleast_1d(orient(mesh.corners)) == 0)[0]
-    if len(flat):
-        kind = "triangle" if mesh.dimension == 2 else "tetrahedron"
-        raise MeshError(f"{kind} {flat[0]} of the background mesh is flat; remove it first")
+    refuse_flat(mesh)
     return Background(mesh, nodal)
 
 

@@ -15,8 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from ..base.arrays import as_numbers
 from ..base.errors import InputError
 from ..base.jit import inline, kernel
+from .any_metric import asked, frozen, landmarks_of
 from .field import SizeField, as_size
-from .metric import LEAST_WANTED, MOST_STRETCH, InverseMetric, Metric, asked
+from .metric import LEAST_WANTED, MOST_STRETCH, InverseMetric, Metric
 from .metric_table import inverted, larger_eigenvalue
 
 __all__ = ["as_metric", "directional", "intersect_rows", "intersected", "intersection"]
@@ -59,13 +60,12 @@ def directional(direction: ArrayLike | Callable[[Array], Any], along: Any, acros
         if vector.shape != (2,):
             raise InputError(f"direction must have shape (2,), not {vector.shape}")
         given = partial(_same, vector)
-    marks = np.concatenate([one.landmarks, two.landmarks])
     metric = InverseMetric(
-        partial(_directed, given, one, two), landmarks=marks, name="directions and two lengths"
+        partial(_directed, given, one, two),
+        landmarks=landmarks_of([one, two], 2),
+        name="directions and two lengths",
     )
-    if not callable(direction) and one.constant is not None and two.constant is not None:
-        metric.constant = metric.at(np.zeros((1, 2)))[0]
-    return metric
+    return metric if callable(direction) else frozen(metric, [one, two])
 
 
 def _same(vector: Array, x: Array) -> Array:
@@ -151,13 +151,12 @@ def intersection(*metrics: Any) -> Metric:
     every = [as_metric(one) for one in metrics]
     if len(every) == 1:
         return every[0]
-    marks = np.concatenate([one.landmarks for one in every])
     metric = InverseMetric(
-        partial(_intersected, every), landmarks=marks, name=f"intersection of {len(every)}"
+        partial(_intersected, every),
+        landmarks=landmarks_of(every, 2),
+        name=f"intersection of {len(every)}",
     )
-    if all(one.constant is not None for one in every):
-        metric.constant = metric.at(np.zeros((1, 2)))[0]
-    return metric
+    return frozen(metric, every)
 
 
 def _intersected(metrics: list[Metric], x: Array) -> Array:

@@ -7,25 +7,24 @@ vectors of length 1 are an ellipse with the half-axes h_i d_i. See the book, cha
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..base.arrays import as_numbers, as_points
+from ..base.arrays import as_numbers
 from ..base.errors import InputError
-from .field import ASKED_AT_ONCE, first_to_raise
+from .any_metric import AnyMetric, asked
 from .metric_table import MetricTable, build_metric, inverted, spectrum
 
-__all__ = ["LEAST_WANTED", "MOST_STRETCH", "InverseMetric", "Metric", "asked", "symmetric_rows"]
+__all__ = ["LEAST_WANTED", "MOST_STRETCH", "InverseMetric", "Metric", "symmetric_rows"]
 
 Array = NDArray[np.float64]
 LEAST_WANTED = 1e-145  # of which, and of whose inverse, the square is a double with some room
 MOST_STRETCH = 1e6  # the largest ratio of two lengths that doubles can carry through all computations
 
 
-class Metric:
+class Metric(AnyMetric):
     """Wanted lengths in two orthogonal directions at every place of the plane.
 
     Parameters
@@ -58,18 +57,7 @@ class Metric:
     array([0.5])
     """
 
-    def __init__(
-        self,
-        function: Callable[[Array], Any],
-        *,
-        landmarks: ArrayLike | None = None,
-        name: str = "function",
-    ):
-        if not callable(function):
-            raise InputError(f"a metric needs a function of points, not {type(function).__name__}")
-        self.function, self.name = function, name
-        self.landmarks: Array = np.empty((0, 2)) if landmarks is None else as_points(landmarks, "landmarks")
-        self.constant: Array | None = None
+    dimension, kind, title = 2, "a metric is of the plane", "Metric"
 
     def inverses(self, x: ArrayLike) -> Array:
         """The inverse matrices B = sum h_i^2 d_i d_i' at points, (k, 2) -> (k, 3): rows b11, b12, b22.
@@ -80,15 +68,10 @@ class Metric:
             If the function raises an error or returns anything but k symmetric positive definite matrices;
             the message names the first point concerned.
         """
-        points = as_points(x, "x")
-        if points.shape[1] != 2:
-            raise InputError(f"a metric is of the plane: x must have shape (k, 2), not {points.shape}")
-        if self.constant is not None:
-            return np.tile(inverted(symmetric_rows(self.constant[None], "metric")), (len(points), 1))
-        result = np.empty((len(points), 3))
-        for i in range(0, len(points), ASKED_AT_ONCE):
-            result[i : i + ASKED_AT_ONCE] = self._inverses(points[i : i + ASKED_AT_ONCE], i)
-        return result
+        if self.constant is None:
+            return super().inverses(x)
+        row = inverted(symmetric_rows(self.constant[None], "metric"))
+        return np.tile(row, (len(self.places(x)), 1))
 
     def _inverses(self, points: Array, first: int) -> Array:
         """The inverse matrices at some points; ``points[0]`` is row ``first`` of the caller's array."""
@@ -162,31 +145,12 @@ class Metric:
             tolerance=tolerance, max_depth=max_depth, max_nodes=max_nodes,
         )  # fmt: skip
 
-    def __repr__(self) -> str:
-        if self.constant is not None:
-            return f"<Metric: constant {self.constant.tolist()}>"
-        return f"<Metric: {self.name}>"
-
 
 class InverseMetric(Metric):
     """A metric whose function returns the inverse matrices, rows (k, 3), which are known to be valid."""
 
     def _inverses(self, points: Array, first: int) -> Array:
         return self.function(points)
-
-
-def asked(function: Callable[[Array], Any], points: Array, first: int, what: str) -> Any:
-    """What a function returns at some points; ``points[0]`` is row ``first`` of the caller's array."""
-    try:
-        return function(points)
-    except InputError:  # raised by a field inside this one; its message names the point
-        raise
-    except Exception as error:
-        row = first_to_raise(function, points)
-        raise InputError(
-            f"the function of the {what} raised {type(error).__name__} ({error}) at x[{first + row}] = "
-            f"{points[row].tolist()}; it takes points (k, 2)"
-        ) from error
 
 
 def symmetric_rows(matrices: Any, what: str, points: Array | None = None, first: int = 0) -> Array:

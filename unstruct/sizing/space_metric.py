@@ -14,14 +14,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..base.arrays import as_numbers, as_points
+from ..base.arrays import as_numbers
 from ..base.errors import InputError
-from .field import ASKED_AT_ONCE, SizeField, as_size
-from .metric import asked
+from .any_metric import AnyMetric, asked, frozen, landmarks_of
+from .field import SizeField, as_size
 from .space_metric_table import SpaceMetricNodes, cholesky_rows, space_metric_nodes
 from .space_spectrum import ENTRY_OF_MATRIX, IN_ROW, intersect_in_space, inverted_in_space, spectrum_in_space
 
-__all__ = ["SpaceMetric", "directional_space", "intersection_space"]
+__all__ = [
+    "MOST_SPACE_STRETCH", "InverseSpaceMetric", "SpaceMetric", "directional_space", "intersection_space",
+    "matrix_rows",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 MOST_SPACE_STRETCH = 1e5  # the largest ratio of two lengths: of its square, doubles keep six digits
@@ -30,7 +33,7 @@ SYMMETRIC_UP_TO = 1e-9  # relative difference of two entries that count as equal
 RIGHT_ANGLE = 1e-6  # largest cosine between two directions that count as orthogonal
 
 
-class SpaceMetric:
+class SpaceMetric(AnyMetric):
     """Wanted lengths in three orthogonal directions at every place of space.
 
     Parameters
@@ -49,9 +52,10 @@ class SpaceMetric:
 
     Notes
     -----
-    `unstruct.sizing` makes metrics in space from directions and lengths (`directional_space`), and from other
-    metrics (`intersection_space`). `unstruct.advancing_front` meshes bodies by them. The ratio of two
-    lengths at a place must not exceed 10^5.
+    `unstruct.sizing` makes metrics in space from directions and lengths (`directional_space`), from matrices
+    at the vertices of tetrahedra (`metric_background`), from second derivatives (`metric_from_hessian`), and
+    from other metrics (`intersection_space`, `gradation`). `unstruct.advancing_front` meshes bodies by them.
+    The ratio of two lengths at a place must not exceed 10^5.
 
     Examples
     --------
@@ -63,39 +67,7 @@ class SpaceMetric:
     array([30.])
     """
 
-    def __init__(
-        self,
-        function: Callable[[Array], Any],
-        *,
-        landmarks: ArrayLike | None = None,
-        name: str = "function",
-    ):
-        if not callable(function):
-            raise InputError(f"a metric needs a function of points, not {type(function).__name__}")
-        self.function, self.name = function, name
-        self.landmarks: Array = np.empty((0, 3)) if landmarks is None else as_points(landmarks, "landmarks")
-        if self.landmarks.shape[1] != 3:
-            raise InputError(f"landmarks must have shape (j, 3), not {self.landmarks.shape}")
-        self.constant: Array | None = None
-
-    def inverses(self, x: ArrayLike) -> Array:
-        """The inverse matrices B = sum h_i^2 d_i d_i' at points, (k, 3) -> (k, 6).
-
-        Rows are b11, b21, b22, b31, b32, b33.
-
-        Raises
-        ------
-        InputError
-            If the function raises an error or returns anything but k symmetric positive definite matrices;
-            the message names the first point concerned.
-        """
-        points = as_points(x, "x")
-        if points.shape[1] != 3:
-            raise InputError(f"a metric in space: x must have shape (k, 3), not {points.shape}")
-        result = np.empty((len(points), 6))
-        for i in range(0, len(points), ASKED_AT_ONCE):
-            result[i : i + ASKED_AT_ONCE] = self._inverses(points[i : i + ASKED_AT_ONCE], i)
-        return result
+    dimension, kind, title = 3, "a metric in space", "SpaceMetric"
 
     def _inverses(self, points: Array, first: int) -> Array:
         return inverted_in_space(matrix_rows(asked(self.function, points, first, "metric"), points, first))
@@ -138,13 +110,8 @@ class SpaceMetric:
         marks = marks[((marks >= box[0]) & (marks <= box[1])).all(axis=1)]
         return space_metric_nodes(self.inverses, box, factor, marks, self.constant is not None)
 
-    def __repr__(self) -> str:
-        if self.constant is not None:
-            return f"<SpaceMetric: constant {self.constant.tolist()}>"
-        return f"<SpaceMetric: {self.name}>"
 
-
-class _Inverse(SpaceMetric):
+class InverseSpaceMetric(SpaceMetric):
     """A metric whose function returns the inverse matrices, rows (k, 6), which are known to be valid."""
 
     def _inverses(self, points: Array, first: int) -> Array:
@@ -200,15 +167,12 @@ def directional_space(directions: ArrayLike | Callable[[Array], Any], lengths: A
         if frame.shape != (3, 3):
             raise InputError(f"directions must have shape (3, 3), not {frame.shape}")
         given = partial(_repeated, frame)
-    marks = [one.landmarks for one in sizes if one.landmarks.shape[1:] == (3,)]
-    metric = _Inverse(
+    metric = InverseSpaceMetric(
         partial(_framed, given, sizes),
-        landmarks=np.concatenate([np.empty((0, 3)), *marks]),
+        landmarks=landmarks_of(sizes, 3),
         name="three directions and lengths",
     )
-    if not callable(directions) and all(one.constant is not None for one in sizes):
-        metric.constant = metric.at(np.zeros((1, 3)))[0]
-    return metric
+    return metric if callable(directions) else frozen(metric, sizes)
 
 
 def _repeated(frame: Array, x: Array) -> Array:
@@ -305,14 +269,12 @@ def intersection_space(*metrics: Any) -> SpaceMetric:
     ]
     if len(every) == 1:
         return every[0]
-    metric = _Inverse(
+    metric = InverseSpaceMetric(
         partial(_met, every),
-        landmarks=np.concatenate([one.landmarks for one in every]),
+        landmarks=landmarks_of(every, 3),
         name=f"intersection of {len(every)}",
     )
-    if all(one.constant is not None for one in every):
-        metric.constant = metric.at(np.zeros((1, 3)))[0]
-    return metric
+    return frozen(metric, every)
 
 
 def _met(metrics: list[SpaceMetric], x: Array) -> Array:

@@ -20,7 +20,10 @@ from ..base.jit import inline, kernel
 from ..geometry.stretched import cholesky
 from .space_table import CUBE_CORNERS, EIGHTH_CENTERS, IN_HALVES, IS_CORNER, octree_leaf
 
-__all__ = ["SpaceMetricNodes", "cholesky_rows", "factor_in_space", "space_metric_nodes"]
+__all__ = [
+    "SpaceMetricNodes", "cholesky_rows", "factor_in_space", "leaves_of", "scaled_nodes", "space_metric_nodes",
+    "wanted_cells",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 DIVIDED_FIRST = 3  # levels that are always made: 8 x 8 x 8 leaves
@@ -28,6 +31,7 @@ MOST_METRIC_LEVELS = 16
 MOST_METRIC_NODES = 200_000
 ALLOWED_LENGTH_ERROR = 0.05  # relative, in any direction
 FINE_METRIC_LEAF = 1.0  # a leaf no larger than this many of its shortest lengths is small enough
+CELLS_IN_A_CUBE = 6.0 * np.sqrt(2.0)  # regular tetrahedra of edge 1 with the volume of the unit cube
 PROBED = np.concatenate([IN_HALVES / 2.0, EIGHTH_CENTERS])
 
 
@@ -125,11 +129,39 @@ def space_metric_nodes(
         places = (2 * places[split][:, None] + CUBE_CORNERS).reshape(-1, 3)
         node = len(child) + np.arange(len(places))
         child = np.append(child, np.full(len(places), -1))
-    scaled = np.concatenate(blocks) * factor * factor
+    made = SpaceMetricNodes(child.astype(np.int32), np.concatenate(blocks), box.ravel())
+    return scaled_nodes(made, factor)
+
+
+def scaled_nodes(nodes: SpaceMetricNodes, factor: float) -> SpaceMetricNodes:
+    """The table with coordinates and lengths multiplied by a power of two, so that nothing is rounded."""
+    scaled = nodes.values * factor * factor
     tiny = np.finfo(np.float64).tiny
     if not (np.isfinite(scaled).all() and scaled[..., [0, 2, 5]].min() > tiny):
         raise InputError(f"lengths leave the range of doubles when they are multiplied by {factor:g}")
-    return SpaceMetricNodes(child.astype(np.int32), scaled, (box * factor).ravel())
+    return SpaceMetricNodes(nodes.child, scaled, nodes.box * factor)
+
+
+def leaves_of(nodes: SpaceMetricNodes) -> tuple[Array, Array]:
+    """The lower corners of the leaves (m, 3), and the sides of their boxes (m, 3)."""
+    low, span = nodes.box[:3], nodes.box[3:] - nodes.box[:3]
+    places, node = np.zeros((1, 3), dtype=np.int64), np.zeros(1, dtype=np.int64)
+    corners, sides, level = [], [], 0
+    while len(node):
+        h = span * 0.5**level
+        leaf = nodes.child[node] < 0
+        corners.append(low + h * places[leaf])
+        sides.append(np.broadcast_to(h, (int(leaf.sum()), 3)))
+        places = (2 * places[~leaf][:, None] + CUBE_CORNERS).reshape(-1, 3)
+        node, level = (nodes.child[node[~leaf], None] + np.arange(8)).ravel(), level + 1
+    return np.concatenate(corners), np.concatenate(sides)
+
+
+def wanted_cells(nodes: SpaceMetricNodes, x: Array) -> Array:
+    """How many regular tetrahedra with edges of length 1 a unit of volume takes at points (k, 3)."""
+    factors = np.empty((len(x), 6))
+    factors_in_space(nodes, x, factors)
+    return CELLS_IN_A_CUBE / (factors[:, 0] * factors[:, 2] * factors[:, 5])
 
 
 def _errors(values: Array, seen: Array) -> tuple[Array, Array]:

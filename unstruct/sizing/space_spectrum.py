@@ -9,9 +9,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..base.jit import inline, kernel
+from ..base.elementary import exponential, logarithm
+from ..base.jit import apart, inline, kernel
 
-__all__ = ["ENTRY_OF_MATRIX", "IN_ROW", "intersect_in_space", "inverted_in_space", "spectrum_in_space"]
+__all__ = [
+    "ENTRY_OF_MATRIX", "IN_ROW", "diagonal_in_space", "diagonalize", "intersect_in_space",
+    "inverted_in_space", "keep_shorter", "logarithms_in_space", "means_in_space", "seen_from",
+    "spectrum_in_space",
+]  # fmt: skip
 
 Array = NDArray[np.float64]
 ENTRY_OF_MATRIX = np.array([[0, 1, 3], [1, 2, 4], [3, 4, 5]])  # the matrix of a row
@@ -42,7 +47,7 @@ def _rotate(a, v, p, q, r):
 
 
 @inline
-def _diagonalize(a, v):
+def diagonalize(a, v):
     """Make the symmetric matrix a diagonal by rotations; the rows of v become the eigenvectors."""
     for k in range(3):
         for j in range(3):
@@ -53,15 +58,32 @@ def _diagonalize(a, v):
         _rotate(a, v, 1, 2, 0)
 
 
+@apart
+def diagonal_in_space(row, a, v):
+    """Make ``a`` the diagonal matrix of the eigenvalues of a row, and the rows of v its eigenvectors."""
+    a[0, 0], a[1, 1], a[2, 2] = row[0], row[2], row[5]
+    a[0, 1] = a[1, 0] = row[1]
+    a[0, 2] = a[2, 0] = row[3]
+    a[1, 2] = a[2, 1] = row[4]
+    diagonalize(a, v)
+
+
+@inline
+def _add_square(into, share, x, y, z):
+    """Add a share of the matrix of all products of two of x, y, z."""
+    into[0] += share * x * x
+    into[1] += share * x * y
+    into[2] += share * y * y
+    into[3] += share * x * z
+    into[4] += share * y * z
+    into[5] += share * z * z
+
+
 @kernel
 def _spectra(rows, values, vectors):
     a = np.empty((3, 3))
     for i in range(rows.shape[0]):
-        a[0, 0], a[1, 1], a[2, 2] = rows[i, 0], rows[i, 2], rows[i, 5]
-        a[0, 1] = a[1, 0] = rows[i, 1]
-        a[0, 2] = a[2, 0] = rows[i, 3]
-        a[1, 2] = a[2, 1] = rows[i, 4]
-        _diagonalize(a, vectors[i])
+        diagonal_in_space(rows[i], a, vectors[i])
         for k in range(3):
             values[i, k] = a[k, k]
 
@@ -70,6 +92,7 @@ def spectrum_in_space(rows: Array) -> tuple[Array, Array]:
     """Eigenvalues (k, 3), the largest first, and eigenvectors as rows (k, 3, 3), of matrices (k, 6)."""
     values, vectors = np.empty((len(rows), 3)), np.empty((len(rows), 3, 3))
     size = np.abs(rows).max(axis=1, initial=0.0)
+    size = np.where(size > 0.0, size, 1.0)
     _spectra(rows / size[:, None], values, vectors)
     order = np.argsort(-values, axis=1, kind="stable")
     values = np.take_along_axis(values, order, axis=1) * size[:, None]
@@ -85,38 +108,71 @@ def inverted_in_space(rows: Array) -> Array:
     return result
 
 
+@apart
+def seen_from(root, other, a, w):
+    """Write the matrix L^-1 B L^-T into ``a``; ``root`` is the row of L, and ``other`` that of B."""
+    l = root
+    for k in range(3):  # w = L^-1 other
+        for j in range(3):
+            high, low = max(k, j), min(k, j)
+            w[k, j] = other[high * (high + 1) // 2 + low]
+    for j in range(3):
+        w[0, j] = w[0, j] / l[0]
+        w[1, j] = (w[1, j] - l[1] * w[0, j]) / l[2]
+        w[2, j] = (w[2, j] - l[3] * w[0, j] - l[4] * w[1, j]) / l[5]
+    for k in range(3):
+        a[k, 0] = w[k, 0] / l[0]
+        a[k, 1] = (w[k, 1] - l[1] * a[k, 0]) / l[2]
+        a[k, 2] = (w[k, 2] - l[3] * a[k, 0] - l[4] * a[k, 1]) / l[5]
+    for k in range(3):
+        for j in range(k):
+            a[k, j] = a[j, k] = 0.5 * (a[k, j] + a[j, k])
+
+
+@apart
+def keep_shorter(root, a, v, into):
+    """Write L A L' as a row; A has the eigenvectors v, and the eigenvalues of ``a``, but none above 1."""
+    l = root
+    for k in range(6):
+        into[k] = 0.0
+    for n in range(3):
+        x = l[0] * v[n, 0]
+        y = l[1] * v[n, 0] + l[2] * v[n, 1]
+        z = l[3] * v[n, 0] + l[4] * v[n, 1] + l[5] * v[n, 2]
+        _add_square(into, min(a[n, n], 1.0), x, y, z)
+
+
 @kernel
 def intersect_in_space(into, root, other):
     """Replace each B of ``into``, rows (k, 6), by that of its intersection with ``other``; B = root root'."""
     a, v, w = np.empty((3, 3)), np.empty((3, 3)), np.empty((3, 3))
     for i in range(into.shape[0]):
-        l = root[i]
-        for k in range(3):  # w = L^-1 other
-            for j in range(3):
-                high, low = max(k, j), min(k, j)
-                w[k, j] = other[i, high * (high + 1) // 2 + low]
-        for j in range(3):
-            w[0, j] = w[0, j] / l[0]
-            w[1, j] = (w[1, j] - l[1] * w[0, j]) / l[2]
-            w[2, j] = (w[2, j] - l[3] * w[0, j] - l[4] * w[1, j]) / l[5]
-        for k in range(3):
-            a[k, 0] = w[k, 0] / l[0]
-            a[k, 1] = (w[k, 1] - l[1] * a[k, 0]) / l[2]
-            a[k, 2] = (w[k, 2] - l[3] * a[k, 0] - l[4] * a[k, 1]) / l[5]
-        for k in range(3):
-            for j in range(k):
-                a[k, j] = a[j, k] = 0.5 * (a[k, j] + a[j, k])
-        _diagonalize(a, v)
+        seen_from(root[i], other[i], a, w)
+        diagonalize(a, v)
+        keep_shorter(root[i], a, v, into[i])
+
+
+@kernel
+def logarithms_in_space(rows, result):
+    """Write the logarithms of positive definite matrices, rows (k, 6)."""
+    a, v = np.empty((3, 3)), np.empty((3, 3))
+    for i in range(rows.shape[0]):
+        diagonal_in_space(rows[i], a, v)
         for k in range(6):
-            into[i, k] = 0.0
+            result[i, k] = 0.0
         for n in range(3):
-            least = min(a[n, n], 1.0)
-            x = l[0] * v[n, 0]
-            y = l[1] * v[n, 0] + l[2] * v[n, 1]
-            z = l[3] * v[n, 0] + l[4] * v[n, 1] + l[5] * v[n, 2]
-            into[i, 0] += least * x * x
-            into[i, 1] += least * x * y
-            into[i, 2] += least * y * y
-            into[i, 3] += least * x * z
-            into[i, 4] += least * y * z
-            into[i, 5] += least * z * z
+            _add_square(result[i], logarithm(a[n, n]), v[n, 0], v[n, 1], v[n, 2])
+
+
+@kernel
+def means_in_space(logs, vertices, weights, result):
+    """Write exp(-L), rows (k, 6), for weighted sums L of some rows of ``logs``, as ``vertices`` name them."""
+    a, v, mean = np.empty((3, 3)), np.empty((3, 3)), np.empty(6)
+    for i in range(result.shape[0]):
+        for k in range(6):
+            mean[k] = result[i, k] = 0.0
+            for j in range(vertices.shape[1]):
+                mean[k] += weights[i, j] * logs[vertices[i, j], k]
+        diagonal_in_space(mean, a, v)
+        for n in range(3):
+            _add_square(result[i], exponential(-a[n, n]), v[n, 0], v[n, 1], v[n, 2])

@@ -20,7 +20,6 @@ from unstruct.generate.front.classical import (
     classical_front,
     classical_mesh,
 )
-from unstruct.generate.front.digital_tree import NOT_PLANTED, gather, new_tree, plant, pull
 from unstruct.plain import advancing_front as plain
 
 ORDERS, FINDS = st.sampled_from(CLASSICAL_ORDERS), st.sampled_from(list(SEARCHES))
@@ -35,36 +34,6 @@ def marched(domain: Domain, size: Any, **options: Any) -> tuple[ClassicalRun, Do
     complex_ = planar_complex(domain, size)
     run = classical_front(domain, complex_, size, **options)
     return run, classical_mesh(domain, complex_, size, run, finish=False)
-
-
-# --- the tree -------------------------------------------------------------------------------------
-
-
-@settings(max_examples=30, deadline=None)
-@given(
-    st.lists(
-        st.tuples(st.integers(0, 30), st.integers(-8, 8), st.integers(-8, 8), st.integers(0, 4)), max_size=90
-    )
-)
-def test_the_tree_finds_what_is_there(events: list[tuple[int, int, int, int]]) -> None:
-    """Items come and go (those there leave); a window always finds exactly the items that meet it."""
-    tree, there = new_tree(31), {}
-    for i, x, y, h in events:
-        if i in there:
-            pull(tree, i)
-            del there[i]
-        else:
-            plant(tree, i, x / 8, y / 8, h / 16)
-            there[i] = (x / 8, y / 8, h / 16)
-        low, high = (x - 3) / 8, (y + 2) / 8
-        count = gather(tree, low, y / 8, low + 0.5, high)
-        expected = {
-            k
-            for k, (u, v, r) in there.items()
-            if u - r <= low + 0.5 and u + r >= low and v - r <= high and v + r >= y / 8
-        }
-        assert set(tree.found[:count].tolist()) == expected
-    assert {i for i in range(31) if tree.links[i, 2] != NOT_PLANTED} == set(there)
 
 
 # --- plain and fast -------------------------------------------------------------------------------

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from regions import KINDS, random_region
 
-from unstruct import Arc, Domain, InputError, Mesh, check, constrained_delaunay
+from unstruct import Arc, Domain, IncompleteWarning, InputError, Mesh, check, constrained_delaunay
 from unstruct.generate.front import delaunay_front
 from unstruct.generate.front.delaunay_front import front_delaunay
 from unstruct.plain import front_delaunay as plain
@@ -142,6 +142,17 @@ def test_finishing_by_regions() -> None:
     assert mesh.figures["mean 2r/R after"] > raw.figures["mean 2r/R"]
     many = [np.bincount(m.markers["region"]) for m in (raw, mesh)]
     np.testing.assert_allclose(many[1], many[0], rtol=0.1)
+
+
+def test_points_outside_are_told() -> None:
+    square = Domain.rectangle().with_holes(
+        Domain([[0.4, 0.4], [0.6, 0.4], [0.5, 0.6]], [[0, 1], [1, 2], [2, 0]])
+    )
+    with pytest.warns(
+        IncompleteWarning, match=r"2 of 3 points are outside .*: points\[0\], points\[2\]; see"
+    ):
+        mesh = front_delaunay(square, [[0.5, 0.5], [0.2, 0.2], [2, 0]])
+    assert mesh.left_out.tolist() == [0, 2] and mesh.counts["outside"] == 2 and check(mesh, domain=square)
 
 
 def test_finish_is_for_sizes() -> None:

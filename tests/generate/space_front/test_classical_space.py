@@ -27,13 +27,6 @@ from unstruct.generate.space_front.classical_run import (
 )
 from unstruct.generate.space_front.classical_signs import cell_fault, meets_cell, set_cell
 from unstruct.generate.space_front.classical_space import classical_in_space
-from unstruct.generate.space_front.classical_tree import (
-    NOT_THERE,
-    gather_in_space,
-    new_space_tree,
-    plant_in_space,
-    pull_from_space,
-)
 from unstruct.plain import advancing_front_space as plain
 from unstruct.sizing.field import as_size
 
@@ -55,36 +48,6 @@ def hull(points: list[tuple[int, int, int]]) -> Domain:
     except UnstructError:
         assume(False)
     raise AssertionError
-
-
-# --- the tree -------------------------------------------------------------------------------------
-
-
-@settings(max_examples=30, deadline=None)
-@given(
-    st.lists(
-        st.tuples(
-            st.integers(0, 30), *[st.integers(-8, 8)] * 3, st.integers(0, 4)
-        ),
-        max_size=90,
-    )
-)  # fmt: skip
-def test_the_tree_finds_what_is_there(events: list[tuple[int, int, int, int, int]]) -> None:
-    """Items come and go (those there leave); a window always finds exactly the items that meet it."""
-    tree, there = new_space_tree(31), {}
-    for i, x, y, z, h in events:
-        if i in there:
-            pull_from_space(tree, i)
-            del there[i]
-        else:
-            plant_in_space(tree, i, x / 8, y / 8, z / 8, h / 16)
-            there[i] = np.array([x, y, z]) / 8, h / 16
-        low = np.array([x - 3, y, z - 1]) / 8
-        high = low + np.array([0.5, 0.25, 0.75])
-        count = gather_in_space(tree, (*low, *high))
-        expected = {k for k, (c, r) in there.items() if (c - r <= high).all() and (c + r >= low).all()}
-        assert set(tree.found[:count].tolist()) == expected
-    assert {i for i in range(31) if tree.links[i, 2] != NOT_THERE} == set(there)
 
 
 # --- the signs ------------------------------------------------------------------------------------
@@ -157,7 +120,7 @@ def test_the_plain_front_step_by_step(points: list[tuple[int, int, int]], order:
     same(*told_and_made(body_faces(hull(points)), size, order))
 
 
-@pytest.mark.parametrize("name", ["twisted prism", "convex", "ten faces"])
+@pytest.mark.parametrize("name", ["twisted prism", "convex", "general", "ten faces"])
 def test_the_plain_front_of_stuck_bodies(name: str) -> None:
     steps, run = told_and_made(
         body_faces(examples.stuck_body(name)), 20.0 if name[0] == "t" else 2.0, "smallest"
@@ -262,7 +225,8 @@ def test_walls_and_names(size: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "size", "left"), [("twisted prism", 20, 8), ("convex", 2, 8), ("ten faces", 2, 10)]
+    ("name", "size", "left"),
+    [("twisted prism", 20, 8), ("convex", 2, 8), ("general", 2, 8), ("ten faces", 2, 10)],
 )
 def test_stuck(name: str, size: float, left: int) -> None:
     """One point inside of the rest; what was made before stays."""

@@ -10,9 +10,20 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from solids import cube, torus
 
-from unstruct import Domain, InputError, Mesh, UnstructError, check, delaunay, examples
+from unstruct import (
+    Domain,
+    IncompleteWarning,
+    InputError,
+    Mesh,
+    UnstructError,
+    check,
+    delaunay,
+    examples,
+    front_delaunay,
+)
 from unstruct.generate.space_front.classical_run import body_faces
 from unstruct.generate.space_front.given_points import given_points_in_space
+from unstruct.geometry.ordering import hilbert_order
 from unstruct.plain import front_delaunay_space as plain
 
 CORNERS = st.lists(st.tuples(*[st.integers(0, 3)] * 3), min_size=6, max_size=10, unique=True)
@@ -41,9 +52,11 @@ def test_the_plain_front_step_by_step(points: list[tuple[int, int, int]]) -> Non
     mesh = given_points_in_space(domain, inside, history=True)
     every = np.concatenate([domain.points, inside])
     body = body_faces(Domain(every, domain.facets))
-    steps = list(
-        plain.front_delaunay_in_space(every.tolist(), body.faces.tolist(), loose=body.needed.tolist())
-    )
+    n = len(domain.points)
+    order = np.append(np.arange(n), n + hilbert_order(inside))  # by which ties are decided
+    every, number = every[order], np.argsort(order)
+    loose = np.sort(number[body.needed]).tolist()
+    steps = list(plain.front_delaunay_in_space(every.tolist(), number[body.faces].tolist(), loose=loose))
     assert mesh.counts["cells"] == len(steps)
     assert mesh.counts["stuck faces"] == (len(steps[-1].front) if steps else len(body.faces))
     if mesh.counts["taken back"] == 0:
@@ -118,9 +131,26 @@ def test_names_and_what_is_outside() -> None:
     points = np.random.default_rng(1).random((80, 3)) * [3, 1, 1]
     mesh = given_points_in_space(domain, points)
     assert check(mesh, domain=domain)
-    assert mesh.counts["outside"] == (points[:, 0] > 2).sum() > 0
+    assert mesh.counts["outside"] == len(mesh.left_out) > 0
+    assert mesh.left_out.tolist() == np.flatnonzero(points[:, 0] > 2).tolist()
     middle = mesh.points[mesh.simplices].mean(axis=1)[:, 0]
     assert (mesh.markers["region"] == (middle > 1)).all() and len(mesh.markers["wall"]) == 2
+
+
+def test_points_outside_are_told() -> None:
+    """A point in a cavity, one outside, one a rounding error inside; the words are those of the plane."""
+    body = Domain.box([0, 0, 0], [3, 3, 3]).with_holes(Domain.box([1, 1, 1], [2, 2, 2]))
+    points = [[1.5, 1.5, 1.5], [0.5, 0.5, 0.5], [4, 1, 1], [0.5, 0.25, np.nextafter(0, 1) + 1e-12]]
+    with pytest.warns(
+        IncompleteWarning, match=r"2 of 4 points are outside .*: points\[0\], points\[2\]; see"
+    ):
+        mesh = front_delaunay(body, points)
+    assert mesh.left_out.tolist() == [0, 2] and check(mesh, domain=body)
+    with pytest.raises(InputError, match=r"points\[1\].*lies on"):
+        front_delaunay(body, [[0.5, 0.5, 0.5], [1, 1.5, 1.5]])
+    many = np.column_stack([np.arange(8.0) + 5, np.zeros((8, 2))])
+    with pytest.warns(IncompleteWarning, match=r"8 of 8 points .*points\[4\], \.\.\.; see"):
+        front_delaunay(body, many)
 
 
 @pytest.mark.parametrize(

@@ -20,7 +20,7 @@ HELD = 8  # `insert_vertices` stops because of a fixed cell; its other results a
 # The states of a cell during one insertion. A fixed cell is never in a cavity.
 OUT, IN, DROPPED, PENDING, FIXED = 0, 1, 2, 3, 4
 # The columns of the records; see `modernized.Record`.
-TWIN, COMPONENT, HIDDEN_FACETS, DROP_ROUNDS, CELLS_LOST, CELLS_KEPT, CELLS_MADE = range(7)
+TWIN, COMPONENT, HIDDEN_FACETS, DROP_ROUNDS, CELLS_LOST, CELLS_KEPT, CELLS_NEW = range(7)
 
 
 @kernel
@@ -371,7 +371,7 @@ def insert_vertices(points, first, last, reduce, grown, records):
             star = Star(slot, number, rows, links, np.empty(made, np.int64))
             build_star(grown, star, kept, left, p)
             replace(grown, star, kept, left, made)
-            record[CELLS_KEPT], record[CELLS_MADE] = left, made
+            record[CELLS_KEPT], record[CELLS_NEW] = left, made
             counters[2] = number[0]
         paint(state, cavity, size, OUT)
         if status == HIDDEN:

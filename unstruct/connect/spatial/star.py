@@ -41,17 +41,12 @@ from .opening import (
     find_rim,
     sees_face,
     third,
-)
+)  # fmt: skip
 
 __all__ = [
-    "add_star",
-    "commit_star",
-    "flawed_faces",
-    "in_star",
-    "room_for_star",
-    "search_star",
-    "settle_star",
-]
+    "add_star", "commit_star", "flawed_faces", "in_star", "room_for_star", "search_star", "settle_star",
+    "unseen_across",
+]  # fmt: skip
 
 LEAST_HEIGHT = (
     2.0**-50
@@ -92,6 +87,15 @@ def _clear(xyz, vertex, face, p):
     return abs(six) > LEAST_HEIGHT * np.sqrt(square)
 
 
+@inline
+def unseen_across(solid, t, k, inside):
+    """The cell across face k of cell t; -1 where the face is marked or the cell has been looked at."""
+    if solid.mark[4 * t + k] >= 0 or solid.across[4 * t + k] < 0:
+        return np.int64(-1)
+    u = np.int64(solid.across[4 * t + k] >> 2)
+    return u if solid.stamp[u] != inside and solid.stamp[u] != inside + 1 else np.int64(-1)
+
+
 @apart
 def search_star(solid, star, edges, p, split):
     """Find the cavity of p from the first cells of ``star``, and judge it; False if there is no star.
@@ -121,10 +125,8 @@ def search_star(solid, star, edges, p, split):
         t = np.int64(star.cells[head])
         head += 1
         for k in range(4):
-            if solid.mark[4 * t + k] >= 0 or solid.across[4 * t + k] < 0:
-                continue
-            u = np.int64(solid.across[4 * t + k] >> 2)
-            if solid.stamp[u] == inside or solid.stamp[u] == inside + 1:
+            u = unseen_across(solid, t, k, inside)
+            if u < 0:
                 continue
             if _in_ball(solid.xyz, solid.vertex, u, p):
                 star.cells[size] = u

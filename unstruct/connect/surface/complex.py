@@ -10,7 +10,16 @@ from numpy.typing import NDArray
 from ...base.jit import kernel
 from ...geometry.inside_shell import side_mates
 from ..insertion.halfedges import UNUSED, next_edge, prev_edge
-from .halfedges import ALONG_CURVE, CORNER, SEAM_CURVES, SMOOTH, SURFACE_SLOTS, SURFACE_VERTICES, Sheets
+from .halfedges import (
+    ALONG_CURVE,
+    CORNER,
+    SEAM_CURVES,
+    SHARED,
+    SMOOTH,
+    SURFACE_SLOTS,
+    SURFACE_VERTICES,
+    Sheets,
+)
 
 __all__ = ["SurfaceComplex", "Taken"]
 
@@ -98,8 +107,9 @@ class SurfaceComplex:
     sheets : Sheets
         The arrays for kernels.
     master : (v,) int64
-        The vertex of which each vertex that was there at the beginning is a copy. Where several fans of
-        triangles meet in one vertex, each has a copy of its own; copies are corners.
+        The vertex of which each vertex is a copy. Where several fans of triangles meet in one vertex, each
+        has a copy of its own; copies are corners. It is longer than needed or shorter, and says nothing of
+        vertices that are no corners.
     """
 
     def __init__(
@@ -131,6 +141,8 @@ class SurfaceComplex:
         fixed[self.master[n:]] = True
         still = fixed[self.master]
         kind[still], on[still] = CORNER, -1
+        copied = np.bincount(self.master, minlength=n)[self.master] > 1
+        on[copied] = SHARED - self.master[copied]
         state = np.array([used, m, -1, -1, 0], dtype=np.int64)
         name = np.zeros(m, dtype=np.int32) if names is None else np.array(names, dtype=np.int32)
         xyz = np.array(points[self.master])
@@ -174,6 +186,19 @@ class SurfaceComplex:
             )
         self.sheets = s
 
+    def masters(self, vertices: NDArray) -> NDArray[np.int64]:
+        """The vertices of which these are copies; most are none."""
+        known = (vertices < len(self.master)) & (self.sheets.kind[vertices] == CORNER)
+        return np.where(known, self.master[np.where(known, vertices, 0)], vertices)
+
+    def unite(self, vertices: NDArray[np.int64], masters: NDArray[np.int64]) -> None:
+        """Make corners copies of others, or first copies of themselves."""
+        master = np.arange(max(int(vertices.max(initial=-1)) + 1, len(self.master)))
+        master[: len(self.master)] = self.master
+        master[vertices] = masters
+        self.sheets.on[vertices] = SHARED - masters
+        self.master = master
+
     @property
     def size(self) -> int:
         """The number of triangles."""
@@ -183,9 +208,7 @@ class SurfaceComplex:
         """Points, triangles and feature edges; copies of a vertex are one again."""
         s = self.sheets
         used, slots = int(s.state[SURFACE_VERTICES]), int(s.state[SURFACE_SLOTS])
-        master = np.arange(used)
-        copies = np.flatnonzero(s.kind[: len(self.master)] == CORNER)  # other vertices may be new ones
-        master[copies] = self.master[copies]
+        master = self.masters(np.arange(used))
         live = np.zeros(used, dtype=bool)
         live[master[s.at[:used] >= 0]] = True
         vertices = np.flatnonzero(live)

@@ -18,18 +18,27 @@ curve on both half-edges. Every operation keeps a manifold one.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
-
 from ...base.jit import inline, lean
 from ..insertion.halfedges import UNUSED, next_edge, prev_edge
+from .sheets import (
+    ALONG_CURVE,
+    CORNER,
+    FIRST_FREE,
+    FREE_SLOT,
+    LAST_MARK,
+    SEAM_CURVES,
+    SHARED,
+    SMOOTH,
+    SURFACE_SLOTS,
+    SURFACE_VERTICES,
+    Sheets,
+)
 
 __all__ = [
     "ALONG_CURVE",
     "CORNER",
     "SEAM_CURVES",
+    "SHARED",
     "SMOOTH",
     "SURFACE_SLOTS",
     "SURFACE_VERTICES",
@@ -46,60 +55,6 @@ __all__ = [
     "turned",
     "turned_back",
 ]
-
-SMOOTH, ALONG_CURVE, CORNER = 0, 1, 2  # kinds of vertices
-SEAM_CURVES = 1 << 24  # what is added to the number of a curve for edges that are never split
-
-# Entries of the state: how many vertices and slots of triangles have been used, the first free ones (-1 for
-# none), and the last mark.
-SURFACE_VERTICES, SURFACE_SLOTS, FIRST_FREE, FREE_SLOT, LAST_MARK = 0, 1, 2, 3, 4
-
-
-class Sheets(NamedTuple):
-    """The arrays of a `SurfaceComplex`; those of vertices and of triangles are longer than needed.
-
-    Attributes
-    ----------
-    xyz : (n, 3) float64
-    at : (n,) int32
-        A corner of each vertex; of free ones -2 minus the next free one plus 1.
-    kind : (n,) int8
-        `SMOOTH`, `ALONG_CURVE` (inside a feature curve, or on a closed one) or `CORNER` (never moved).
-    on : (n,) int32
-        The curve of a vertex of the kind `ALONG_CURVE`, else -1.
-    near : (n,) int64
-        A triangle of the given surface near each vertex.
-    size : (n,) float64
-        The wanted length of edges at each vertex.
-    cap : (n,) float64
-        An upper bound of it.
-    allowed : (n,) float64
-        How far the surface may be from the given one near each vertex.
-    mark : (n,) int64
-        Scratch.
-    vertex, twin : (3 m,) int32
-        ``vertex[3 t]`` is `UNUSED` for slots without a triangle.
-    curve : (3 m,) int32
-        The number of the feature curve along each half-edge, or -1.
-    name : (m,) int32
-        A number that triangles keep.
-    state : (5,) int64
-    """
-
-    xyz: NDArray[np.float64]
-    at: NDArray[np.int32]
-    kind: NDArray[np.int8]
-    on: NDArray[np.int32]
-    near: NDArray[np.int64]
-    size: NDArray[np.float64]
-    cap: NDArray[np.float64]
-    allowed: NDArray[np.float64]
-    mark: NDArray[np.int64]
-    vertex: NDArray[np.int32]
-    twin: NDArray[np.int32]
-    curve: NDArray[np.int32]
-    name: NDArray[np.int32]
-    state: NDArray[np.int64]
 
 
 # ---------------------------------------------------------------------- looking
@@ -149,6 +104,33 @@ def edge_between(s, u, w):
             return -1
 
 
+@lean
+def _near_copy(s, x, w):
+    """Whether a vertex is joined to a copy of another one."""
+    start = first_corner(s, x)
+    c = start
+    while True:
+        if s.on[s.vertex[next_edge(c)]] == s.on[w]:
+            return True
+        last = c
+        c = turned(s.twin, c)
+        if c < 0:
+            return s.on[s.vertex[prev_edge(last)]] == s.on[w]
+        if c == start:
+            return False
+
+
+@inline
+def joined_to_copy(s, u, w):
+    """Whether an edge between two vertices might be there already, between copies of them.
+
+    Of two vertices that have copies, no edge is sure.
+    """
+    if s.on[u] <= SHARED:
+        return s.on[w] <= SHARED or _near_copy(s, w, u)
+    return s.on[w] <= SHARED and _near_copy(s, u, w)
+
+
 @inline
 def can_flip(s, e):
     """Whether the surface stays a manifold with the same features if edge e is flipped."""
@@ -156,7 +138,7 @@ def can_flip(s, e):
     if f < 0 or s.curve[e] >= 0:
         return False
     p, q = s.vertex[e], s.vertex[f]
-    return p != q and edge_between(s, p, q) < 0
+    return p != q and edge_between(s, p, q) < 0 and not joined_to_copy(s, p, q)
 
 
 @lean
@@ -164,7 +146,8 @@ def can_collapse(s, e):
     """Whether the vertex u where e begins can be merged into its end w; its curve, if any, must be that of e.
 
     This is the link condition: the neighbors that u and w have in common are those opposite e, and what is
-    left is no pair of triangles back to back. Two features are never merged.
+    left is no pair of triangles back to back. Two features are never merged, and no new edge joins vertices
+    whose copies are joined.
     """
     u, w, p, f = s.vertex[next_edge(e)], s.vertex[prev_edge(e)], s.vertex[e], s.twin[e]
     if s.kind[u] == CORNER or (s.kind[u] == ALONG_CURVE and s.curve[e] < 0):
@@ -199,14 +182,14 @@ def can_collapse(s, e):
     c, around_u, open_u = start, 0, False
     while True:
         x = s.vertex[next_edge(c)]
-        if x != w and x != p and x != q and s.mark[x] == stamp:
+        if x != w and x != p and x != q and (s.mark[x] == stamp or joined_to_copy(s, w, x)):
             return False
         around_u += 1
         last = c
         c = turned(s.twin, c)
         if c < 0:
             x = s.vertex[prev_edge(last)]
-            if x != w and x != p and x != q and s.mark[x] == stamp:
+            if x != w and x != p and x != q and (s.mark[x] == stamp or joined_to_copy(s, w, x)):
                 return False
             open_u = True
             break

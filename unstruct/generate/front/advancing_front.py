@@ -174,10 +174,13 @@ def advancing_front(
     *In space, by a* `sizing.SpaceMetric`, R, the ideal point, distances, lenses and the spheres of cavities
     are measured in the metric, and edges and polygons of the surface are cut by it. A cavity is used only if
     the point sees all its walls, by exact signs, so the mesh is valid whatever the metric is. No point is
-    placed within the metric distance 0.05 of a wall, hence of any vertex: their number is bounded. ``finish``
-    judges shapes in the metric. ``figures`` has qualities and lengths as in the plane, ``unrefined`` the
-    cells with an edge above 2.5. ``order`` is "widest" or "oldest", ``placement`` "equal sides" or "sphere";
-    ``steps["size"]`` (the lateral edge) and ``steps["radius"]`` are in the metric.
+    placed within the metric distance 0.05 of a wall, hence of any vertex: their number is bounded. Where the
+    surface is cut, a metric that asks for more points than the budget is refused before any work;
+    ``figures["tetrahedra expected"]`` is the volume of the body in the metric over that of an ideal cell. A
+    stretched surface is recovered in the coordinates of its mean metric. ``finish`` judges shapes in the
+    metric. ``figures`` has qualities and lengths as in the plane, ``unrefined`` the cells with an edge above
+    2.5. ``order`` is "widest" or "oldest", ``placement`` "equal sides" or "sphere"; ``steps["size"]`` (the
+    lateral edge) and ``steps["radius"]`` are in the metric.
 
     *The classical method in space* may stick: no vertex of the front can be joined to any face of it, as with
     Schönhardt's prism. What is left is then filled by recovery with points inside, and counted. See

@@ -1,8 +1,6 @@
 """What every advancing front does, whatever it measures by, compiled: its edges, its queue, and the record.
 
-The grade of a triangle is its bucket in the queue. It is found only when the triangle is queued: most new
-triangles are replaced before the front arrives. So the functions here say which triangles are to be graded
-and queued, and their callers, which know the size or the metric, do it. Book: 3.1, 3.3.
+The queue itself is that of `generate.advancing.queue`. Book: 3.1, 3.3.
 """
 
 from __future__ import annotations
@@ -16,7 +14,8 @@ from ...base.jit import inline
 from ...connect.insertion.engine import COUNT
 from ...connect.insertion.halfedges import VERTICES, end_of, start_of
 from ...connect.planar.cavity import commit_here
-from ..rebay.queue import ACCEPTED, LEVEL, STATUS, WAITING, push, unlink
+from ..advancing.queue import crosses_front, leaves_queue, sent_last
+from ..rebay.queue import ACCEPTED, STATUS, WAITING, unlink
 from ..rebay.steps import clear
 
 # Orders of the queue.
@@ -25,7 +24,6 @@ WIDEST, SMALLEST, SHORTEST, OLDEST = range(4)
 NEW, FITS, EMPTY, SNAPPED, CONNECTED, CLOSED, CENTERED, FORCED = range(8)
 PUT_ASIDE, WAS_BEYOND, WAS_FLAT_ANGLE, WAS_NEAR = range(8, 12)
 MADE, FRONT_COUNTS = 12, 13  # further places: how many triangles are accepted
-LAST_LEVEL = 0  # the bucket of triangles that are set aside: it is served when all others are empty
 
 FRONT_ACCEPT = 1.2  # a triangle ahead with R < FRONT_ACCEPT f is accepted as it is
 CLEARANCE = 0.8  # times the wanted length: no point nearer than that to a vertex
@@ -57,17 +55,9 @@ def is_marked(mark, t):
 
 
 @inline
-def leaves_queue(march, t):
-    """Whether unfinished triangle t, which has just got an edge at the front, is to be graded and queued.
-
-    If it waits already, it is taken from its place. It stays there if its grade cannot have changed.
-    """
-    links = march.links
-    if links[t, STATUS] >= 0:
-        if links[t, LEVEL] != LAST_LEVEL and march.rule.order != SHORTEST:
-            return False
-        unlink(links, march.gates, t, WAITING)
-    return True
+def is_to_be_graded(march, t):
+    """Whether unfinished triangle t, which has just got an edge at the front, is to be graded and queued."""
+    return leaves_queue(march, t, march.rule.order == SHORTEST)
 
 
 @inline
@@ -89,13 +79,7 @@ def accept(plane, march, diary, counts, t, e, reason):
 @inline
 def enters_front(plane, march, j):
     """Let half-edge j of an accepted triangle enter the front, or leave it; whether it enters."""
-    mark, o, number = plane.mark, plane.twin[j], march.rule.number
-    if mark[j] == number:
-        mark[j] = mark[o] = -1
-    elif mark[j] < 0:
-        mark[j] = mark[o] = number
-        return True
-    return False
+    return crosses_front(plane.mark, j, plane.twin[j], march.rule.number)
 
 
 @inline
@@ -139,15 +123,7 @@ def put_star(plane, march, scratch, m, k, x, y):
 
 @inline
 def put_aside(march, counts, t):
-    """Whether triangle t, for none of whose edges an ideal point was possible, is now set aside.
-
-    At first it is, since the front may reach it from another side. At the end it is not a second time.
-    """
-    links = march.links
-    if links[t, LEVEL] == LAST_LEVEL:
-        return False
-    unlink(links, march.gates, t, WAITING)
-    links[t, LEVEL] = LAST_LEVEL
-    push(links, march.gates, march.turn, t, march.rule.last_first)
-    counts[PUT_ASIDE] += 1
-    return True
+    """Whether triangle t, for none of whose edges an ideal point was possible, is now set aside."""
+    aside = sent_last(march, t, march.rule.last_first)
+    counts[PUT_ASIDE] += aside
+    return aside

@@ -13,19 +13,18 @@ from ...base.codes import DONE, ROOM
 from ...base.errors import InputError, MeshError
 from ...base.jit import kernel
 from ...base.progress import progress_bar
-from ...connect.insertion.engine import grown
 from ...connect.planar.complex import PlanarComplex
 from ...domain.domain import Domain, Sampled
 from ...mesh.domain_mesh import DomainMesh
 from ...predicates.batch import unscaled
 from ...sizing import as_size
+from ..advancing.journal import Journal, columns_of, empty_journal, larger_journal
+from ..advancing.rows import CELLS_MADE, VERTEX_COUNT, Waiting, room_to_wait
 from ..boundary.constrained import complex_of
 from ..rebay.run import TOLERANCE, VoronoiSegmentRun, rule_of
 from . import classical_steps as k
 from .made_mesh import Made, Subsegments, domain_mesh_of, quality_figures
 from .open_front import (
-    TRIANGLES_MADE,
-    VERTEX_COUNT,
     OpenFront,
     enter_edge,
     enter_vertex,
@@ -35,7 +34,7 @@ from .open_front import (
 
 __all__ = [
     "CLASSICAL_ORDERS", "CLASSICAL_PLACEMENTS", "CLASSICAL_REASONS", "SEARCHES", "VERDICTS", "ClassicalRun",
-    "classical_front", "classical_mesh", "emptied", "enter_all", "finished_mesh", "waiting_for",
+    "classical_front", "classical_mesh", "emptied", "enter_all", "finished_mesh",
 ]  # fmt: skip
 
 CLASSICAL_PLACEMENTS = ("equal sides", "circle")
@@ -131,15 +130,16 @@ def classical_front(
         table,
     )
     front = _boundary_front(c)
-    journal, counts = _journal(front, None, history), np.zeros(k.CLASSICAL_COUNTS, dtype=np.int64)
+    journal, counts = empty_journal(2), np.zeros(k.CLASSICAL_COUNTS, dtype=np.int64)
 
-    def advance(front: OpenFront, waiting: k.Waiting) -> int:
+    def advance(front: OpenFront, waiting: Waiting) -> int:
         nonlocal journal
-        journal = _journal(front, journal, history, counts)
+        if history:
+            journal = larger_journal(journal, len(front.made), int(counts[k.TRIED]), len(front.xy))
         return int(k.march(front, choices, waiting, journal, counts, TRIANGLES_A_CALL))
 
     with progress_bar(progress, " triangles") as bar:
-        waiting = waiting_for(front, None)
+        waiting = room_to_wait(None, len(front.ends), len(front.xy))
         k.start_waiting(front, choices, waiting)
         front = emptied(front, waiting, advance, c.factor, bar)
     return _account(c, front, journal, counts, most, history)
@@ -174,50 +174,24 @@ def enter_all(front, edges, loose):
         enter_vertex(front, loose[i])
 
 
-def waiting_for(front: OpenFront, old: k.Waiting | None) -> k.Waiting:
-    """The queue with room for the front; ``old`` is what was in it before."""
-    rows, vertices = 2 * len(front.ends) + 64, len(front.xy) + 16
-    count = np.zeros(1, dtype=np.int64) if old is None else old.many
-    keys = np.empty(0) if old is None else old.keys
-    edges = np.empty(0, dtype=np.int64) if old is None else old.edges
-    rows = max(rows, 2 * int(count[0]) + 64)
-    return k.Waiting(
-        grown(keys, rows), grown(edges, rows), count, np.empty(vertices), np.empty(vertices, dtype=np.int64)
-    )
-
-
 def emptied(
-    front: OpenFront, waiting: k.Waiting, advance: Callable[[OpenFront, k.Waiting], int], factor: float,
-    bar: Any,
+    front: OpenFront, waiting: Waiting, advance: Callable[[OpenFront, Waiting], int], factor: float, bar: Any,
 ) -> OpenFront:  # fmt: skip
     """Advance until the front is empty; return it, in larger arrays if need be.
 
     ``advance`` takes some steps and returns how it ended: DONE, MORE, ROOM or NONE_FITS.
     """
     while True:
-        before = int(front.state[TRIANGLES_MADE])
+        before = int(front.state[CELLS_MADE])
         code = advance(front, waiting)
-        bar.update(int(front.state[TRIANGLES_MADE]) - before)
+        bar.update(int(front.state[CELLS_MADE]) - before)
         if code == DONE:
             return front
         if code == k.NONE_FITS:
             raise MeshError(_no_apex(front, factor))
         if code == ROOM:
             front = larger_front(front)
-            waiting = waiting_for(front, waiting)
-
-
-def _journal(
-    front: OpenFront, old: k.Journal | None, history: bool, counts: NDArray[np.int64] | None = None
-) -> k.Journal:
-    """The record with room for as many triangles as the front has, and the candidates of one more step."""
-    if old is None:
-        old = k.Journal(np.empty((0, 2), dtype=np.int32), np.empty((0, 4)), np.empty((0, 2), dtype=np.int32))
-    if not history:
-        return old
-    rows = len(front.made)
-    tried = (0 if counts is None else 2 * int(counts[k.TRIED])) + 4 * len(front.xy) + 64
-    return k.Journal(grown(old.log, rows), grown(old.numbers, rows), grown(old.tried, tried))
+            waiting = room_to_wait(waiting, len(front.ends), len(front.xy))
 
 
 def _no_apex(front: OpenFront, factor: float) -> str:
@@ -231,30 +205,19 @@ def _no_apex(front: OpenFront, factor: float) -> str:
 def _account(
     c: PlanarComplex,
     front: OpenFront,
-    journal: k.Journal,
+    journal: Journal,
     counts: NDArray[np.int64],
     most: int,
     history: bool,
 ) -> ClassicalRun:
-    m, n = int(front.state[TRIANGLES_MADE]), int(front.state[VERTEX_COUNT])
+    m, n = int(front.state[CELLS_MADE]), int(front.state[VERTEX_COUNT])
     points = unscaled(front.xy[:n], c.factor)
     made = Made(points, front.made[:m, :3].copy(), front.made[:m, 3].copy(), dict(c.regions))
     named = dict(zip([*CLASSICAL_REASONS, "candidates"], counts.tolist()))
     steps = None
     if history:
-        tried = journal.tried[: int(counts[k.TRIED])]
-        numbers = journal.numbers[:m] / c.factor
-        steps = {
-            "edge": made.triangles[:, :2].copy(),
-            "apex": made.triangles[:, 2].copy(),
-            "reason": np.array(CLASSICAL_REASONS)[journal.log[:m, 0]],
-            "ideal": numbers[:, :2].copy(),
-            "size": numbers[:, 2].copy(),
-            "radius": numbers[:, 3].copy(),
-            "start": np.append(journal.log[:m, 1], len(tried)),
-            "vertex": tried[:, 0].copy(),
-            "verdict": np.array(VERDICTS)[tried[:, 1]],
-        }
+        steps = {"edge": made.triangles[:, :2].copy(), "apex": made.triangles[:, 2].copy()}
+        steps |= columns_of(journal, m, int(counts[k.TRIED]), c.factor, CLASSICAL_REASONS, VERDICTS)
     return ClassicalRun(made, steps, named, n >= most)
 
 

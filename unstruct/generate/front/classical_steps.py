@@ -30,20 +30,18 @@ from math import frexp, inf, sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...base.candidate_heap import put, take
 from ...base.codes import DONE, MORE, ROOM
-from ...base.heap import pop, push
 from ...base.jit import inline, lean
 from ...sizing.table import ROOT3, Nodes, size_at
-from .digital_tree import gather
+from ..advancing.digital_tree import gather
+from ..advancing.journal import note_tried
+from ..advancing.rows import CELLS_MADE, VERTEX_COUNT, in_turn, next_in_turn
 from .open_front import (
     CROSSED,
     HOLDS,
     NO_FAULT,
-    TRIANGLES_MADE,
-    VERTEX_COUNT,
     advance_over,
     blocking_edge,
     enter_vertex,
@@ -61,8 +59,6 @@ __all__ = [
     "NONE_FITS",
     "TRIED",
     "Choices",
-    "Journal",
-    "Waiting",
     "march",
     "start_waiting",
 ]  # fmt: skip
@@ -89,24 +85,6 @@ class Choices(NamedTuple):
     constant: float  # the wanted length if it is the same everywhere, otherwise 0
     most: int  # no new point is made when there are so many vertices
     size: Nodes
-
-
-class Waiting(NamedTuple):
-    """The edges that wait, and the candidates of a step: two heaps."""
-
-    keys: NDArray[np.float64]
-    edges: NDArray[np.int64]  # 2^32 times the number of the edge, and its row
-    many: NDArray[np.int64]  # (1,) how many edges
-    measures: NDArray[np.float64]
-    candidates: NDArray[np.int64]
-
-
-class Journal(NamedTuple):
-    """The record: one row for each triangle, in order, and the candidates that were tried."""
-
-    log: NDArray[np.int32]  # (., 2) the reason, and how many rows of ``tried`` there were before
-    numbers: NDArray[np.float64]  # (., 4) the ideal point, the wanted length, the radius of the search
-    tried: NDArray[np.int32]  # (., 2) the vertex (-1: the ideal point) and the verdict; (0, 2) if not wanted
 
 
 @inline
@@ -140,10 +118,7 @@ def rank(front, choices, row):
 @inline
 def wait(front, choices, waiting, row):
     """Put an edge of the front into the queue."""
-    value = front.stamp[row] * 4294967296 + row
-    waiting.many[0] = push(
-        waiting.keys, waiting.edges, waiting.many[0], rank(front, choices, row), np.int64(value)
-    )
+    in_turn(waiting, front.stamp, row, rank(front, choices, row))
 
 
 @lean
@@ -152,18 +127,6 @@ def start_waiting(front, choices, waiting):
     for row in range(len(front.ends)):
         if front.ends[row, 0] >= 0:
             wait(front, choices, waiting, np.int64(row))
-
-
-@inline
-def next_waiting(front, waiting):
-    """The row of the next edge that is at the front, -1 if there is none; its key to ``measures[0]``."""
-    while waiting.many[0] > 0:
-        value, waiting.measures[0] = waiting.edges[0], waiting.keys[0]
-        waiting.many[0] = pop(waiting.keys, waiting.edges, waiting.many[0])
-        row = np.int64(value % 4294967296)
-        if front.stamp[row] == value // 4294967296:
-            return row
-    return np.int64(-1)
 
 
 @inline
@@ -221,24 +184,17 @@ def fault_of_new(front, row, x, least):
     px, py = xy[x, 0], xy[x, 1]
     if not (abs(px) <= 1.0 and abs(py) <= 1.0):
         return CROSSED
-    for i in range(gather(front.edges, px - least, py - least, px + least, py + least)):
+    window = (px - least, py - least, px + least, py + least)
+    for i in range(gather(front.edges, window)):
         other = np.int64(found[i])
         if other != row and is_near(xy, x, np.int64(ends[other, 0]), np.int64(ends[other, 1]), least):
             return NO_CLEARANCE
     found = front.vertices.found
-    for i in range(gather(front.vertices, px - least, py - least, px + least, py + least)):
+    for i in range(gather(front.vertices, window)):
         v = np.int64(found[i])
         if front.loose[v] and between(xy, v, x) < least:
             return NO_CLEARANCE
     return first_fault(front, np.int64(ends[row, 0]), np.int64(ends[row, 1]), x)
-
-
-@inline
-def note_tried(journal, counts, v, verdict):
-    """Record a candidate and what was found about it."""
-    if len(journal.tried) > 0:
-        journal.tried[counts[TRIED], 0], journal.tried[counts[TRIED], 1] = v, verdict
-    counts[TRIED] += 1
 
 
 @lean
@@ -258,7 +214,7 @@ def search_near(front, choices, waiting, journal, counts, row, side):
             count = put(heap, what, count, sqrt((x - cx) * (x - cx) + (y - cy) * (y - cy)), n)
     else:
         radius, cx, cy = choices.reach * side, x, y
-    for i in range(gather(front.vertices, cx - radius, cy - radius, cx + radius, cy + radius)):
+    for i in range(gather(front.vertices, (cx - radius, cy - radius, cx + radius, cy + radius))):
         v = np.int64(found[i])
         dx, dy = xy[v, 0] - cx, xy[v, 1] - cy
         distance = sqrt(dx * dx + dy * dy)
@@ -273,12 +229,14 @@ def search_near(front, choices, waiting, journal, counts, row, side):
             verdict = first_fault(front, a, b, v)
             if verdict == NO_FAULT and roundness(xy, a, b, v) < choices.roundness:
                 verdict = NOT_ROUND
-        note_tried(journal, counts, v if v != n else np.int64(-1), verdict)
+        note_tried(journal, counts[TRIED], v if v != n else np.int64(-1), verdict)
+        counts[TRIED] += 1
         if verdict == NO_FAULT:
             return v
     if choices.search == ABOUT_IDEAL and may:
         verdict = fault_of_new(front, row, n, KEPT_CLEAR * side)
-        note_tried(journal, counts, np.int64(-1), verdict)
+        note_tried(journal, counts[TRIED], np.int64(-1), verdict)
+        counts[TRIED] += 1
         if verdict == NO_FAULT:
             return n
     return np.int64(-1)
@@ -298,7 +256,7 @@ def search_wide(front, waiting, journal, counts, row, radius):
     while True:
         radius = 2.0 * radius if radius > 0.0 else 4.0
         count = 0
-        for i in range(gather(front.vertices, cx - radius, cy - radius, cx + radius, cy + radius)):
+        for i in range(gather(front.vertices, (cx - radius, cy - radius, cx + radius, cy + radius))):
             v = np.int64(found[i])
             away = max(abs(xy[v, 0] - cx), abs(xy[v, 1] - cy))
             if v == a or v == b or away <= before or away > radius or turn(xy, a, b, v) <= 0:
@@ -324,7 +282,8 @@ def search_wide(front, waiting, journal, counts, row, radius):
                         s, t = np.int64(front.ends[blocker, 0]), np.int64(front.ends[blocker, 1])
                     else:
                         verdict = HOLDS if holds_vertex(front, a, b, v) else NO_FAULT
-            note_tried(journal, counts, v, verdict)
+            note_tried(journal, counts[TRIED], v, verdict)
+            counts[TRIED] += 1
             if verdict == NO_FAULT:
                 return v, radius > 2.0
         if radius > 2.0:
@@ -340,13 +299,13 @@ def march(front, choices, waiting, journal, counts, limit):
         room = state[VERTEX_COUNT] + 4 < len(waiting.candidates) and waiting.many[0] + 4 < len(waiting.keys)
         if wanted:  # a step tries each vertex at most twice
             room = room and counts[TRIED] + 2 * state[VERTEX_COUNT] + 8 < len(journal.tried)
-            room = room and state[TRIANGLES_MADE] + 2 < len(journal.log)
+            room = room and state[CELLS_MADE] + 2 < len(journal.log)
         if not (room and has_room(front)):
             return ROOM
-        row = next_waiting(front, waiting)
+        row, _ = next_in_turn(waiting, front.stamp)
         if row < 0:
             return DONE
-        before, k = counts[TRIED], state[TRIANGLES_MADE]
+        before, k = counts[TRIED], state[CELLS_MADE]
         a, b, n = np.int64(front.ends[row, 0]), np.int64(front.ends[row, 1]), state[VERTEX_COUNT]
         x, y, side, h = ideal_point(front, choices, a, b)
         front.xy[n, 0], front.xy[n, 1] = x, y

@@ -10,22 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flags
-from ...base.arrays import as_points
+from ...base.arrays import frozen
 from ...base.errors import InputError
 from ...base.jit import kernel
 from ...base.progress import progress_bar
 from ...connect.insertion.engine import grown
 from ...connect.planar.complex import PlanarComplex
 from ...connect.planar.flood import number_parts
-from ...domain.derived import held_by
 from ...domain.domain import Domain, Sampled, as_domain
 from ...domain.plane.by_region import size_by_region
 from ...geometry.ordering import hilbert_order
 from ...geometry.parity import even_odd, left_parity, right_parity
-from ...geometry.segment_pairs import vertices_on_segments
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...predicates.batch import power_of_two, scaled, unscaled
 from ...sizing import as_size
+from ..advancing.rows import CELLS_MADE, VERTEX_COUNT, Waiting, room_to_wait
 from ..boundary.constrained import planar_complex
 from ..boundary.kept import kept_pieces
 from ..boundary.pairs import paired
@@ -33,14 +32,16 @@ from ..rebay.run import TOLERANCE
 from ..space_front.given_points import given_points_in_space
 from ..volume.lacking import what_is_missing
 from . import delaunay_steps as k
-from .classical import emptied, enter_all, finished_mesh, waiting_for
-from .classical_steps import Choices, Waiting
+from .classical import emptied, enter_all, finished_mesh
+from .classical_steps import Choices
 from .empty_circle import new_ahead
+from .given_in_plane import as_given, refuse_on_curves, with_points
 from .made_mesh import Made, domain_mesh_of, neighbors_of, quality_figures
-from .open_front import TRIANGLES_MADE, VERTEX_COUNT, OpenFront, new_front
+from .open_front import OpenFront, new_front
 
 __all__ = ["front_delaunay"]
 
+MOST_ROWS = 5  # of points outside that are named in a warning
 CELLS_A_CALL = 50_000  # a fraction of a second: Ctrl-C works between calls
 
 
@@ -80,7 +81,8 @@ def front_delaunay(
         that cut curves and pieces, then the points, in their order. ``counts``: "cells"; "cocircular" cells,
         whose circle has another visible vertex on it, so that another choice would have been as good;
         "hidden" candidates, which were in the circle of a cell but not visible from its edge, and which a
-        test of all points would have taken for obstacles; "outside" points, which were left out. With a size
+        test of all points would have taken for obstacles; "outside" points, which were left out: their rows
+        are in ``left_out``, and a warning names the first ones. With a size
         also "points", "circumcenters", "forced" cells and edges "set aside", from making the points.
         ``figures``: "triangles", "minimum angle", "minimum 2r/R" and "mean 2r/R". ``steps`` (with
         ``history``): "edge", "apex" and "cocircular", one row for each cell. With ``finish=True`` the order
@@ -89,9 +91,9 @@ def front_delaunay(
     Raises
     ------
     InputError
-        For points that are equal to one another or to a vertex of the domain, or lie on a piece (with the
-        first such row), for sizes that are not positive and finite, for exponents too wide for one scale, and
-        for ``finish`` with points, or together with ``history``.
+        For points that are equal to one another or to a vertex of the domain, or lie on a piece, by exact
+        signs (with the first such row), for sizes that are not positive and finite, for exponents too wide
+        for one scale, and for ``finish`` with points, or together with ``history``.
 
     Notes
     -----
@@ -121,7 +123,7 @@ def front_delaunay(
         return _in_space(domain, points_or_size, finish, history, progress)
     if not len(domain.facets):
         raise InputError("the domain has no facets, so nothing is inside: give facets")
-    points = _as_given(points_or_size)
+    points = as_given(points_or_size)
     if finish and (history or points is not None):
         told = "points, which stay where they are" if points is not None else "history, since cells change"
         raise InputError(f"finish=True goes with a size, and not with {told}")
@@ -130,8 +132,8 @@ def front_delaunay(
     spent = False
     with progress_bar(progress, " cells") as bar:
         if points is not None:
-            sampled = _with_points(domain, points).sampled()
-            _refuse_on_curves(sampled, points, len(domain.points) + len(points))
+            sampled = with_points(domain, points).sampled()
+            refuse_on_curves(sampled, points, len(domain.points) + len(points))
             rows = sampled.points
         else:
             sampled = domain.sampled(size)
@@ -142,9 +144,11 @@ def front_delaunay(
         order = hilbert_order(rows)
         made, ties, more = _wrapped(_first_front(sampled, rows, order), power_of_two(rows), bar)
         made = order[made].astype(np.int32)
+    outside = np.empty(0, dtype=np.int64)
     if points is not None:
         loose = np.arange(len(domain.points), len(domain.points) + len(points))
-        more["outside"] = len(points) - int(np.isin(loose, made).sum())
+        outside = np.flatnonzero(~np.isin(loose, made))
+        more["outside"] = len(outside)
     figures, subsegments = quality_figures(rows, made), (sampled.ends, sampled.piece, sampled.span)
     if finish and not spent:
         kept = kept_pieces(True, len(domain.facets), len(domain.pieces), domain.held())
@@ -161,95 +165,35 @@ def front_delaunay(
         domain, subsegments, result, steps=steps, counts=more | counts, figures=figures, unrefined=everything,
         reasons=np.full(len(made), "budget") if spent else None,
     )  # fmt: skip
-    return noticed(paired(domain, mesh))
+    mesh.left_out = frozen(outside.astype(np.int32))
+    return noticed(paired(domain, mesh), _what_is_outside(mesh, points))
 
 
 def _in_space(domain: Domain, points: Any, finish: bool, history: bool, progress: bool) -> DomainMesh:
     """`front_delaunay` for a body."""
-    rows = _as_given(points, 3)
+    rows = as_given(points, 3)
     if rows is None:
         raise InputError("in space front_delaunay takes points (k, 3); with a size use advancing_front")
     if finish:
         raise InputError("finish=True goes with a size, and not with points, which stay where they are")
     mesh = given_points_in_space(domain, rows, history=history, progress=progress)
-    return noticed(mesh, what_is_missing(domain, mesh))
+    told = [_what_is_outside(mesh, rows), what_is_missing(domain, mesh)]
+    return noticed(mesh, "; ".join(filter(None, told)))
 
 
-# --- the input ------------------------------------------------------------------------------------
+def _what_is_outside(mesh: DomainMesh, points: NDArray[np.float64] | None) -> str:
+    """How many of the points are outside of the domain, and which; "" if there are none."""
+    rows = mesh.left_out.tolist()
+    if points is None or not rows:
+        return ""
+    first = ", ".join(f"points[{i}]" for i in rows[:MOST_ROWS]) + (", ..." if len(rows) > MOST_ROWS else "")
+    return (
+        f"{len(rows)} of {len(points)} points are outside of the domain and were left out: {first}; "
+        "see mesh.left_out"
+    )
 
 
-def _as_given(value: Any, dimension: int = 2) -> NDArray[np.float64] | None:
-    """The points, or None if the value is a size."""
-    if not isinstance(value, (list, tuple, np.ndarray)):
-        return None
-    if isinstance(value, np.ndarray) and value.ndim != 2:
-        return None
-    if len(value) and not isinstance(value[0], (list, tuple, np.ndarray)):
-        return None
-    rows = as_points(value) if len(value) else np.empty((0, dimension))
-    if rows.shape[1] != dimension:
-        raise InputError(
-            f"points must have shape (k, {dimension}), not {rows.shape}; a size is a number or a function"
-        )
-    return rows
-
-
-def _with_points(domain: Domain, points: NDArray[np.float64]) -> Domain:
-    """The domain with the points as loose vertices, after its own."""
-    n, rows = len(domain.points), np.concatenate([domain.points, points])
-    _, first, group = np.unique(rows, axis=0, return_index=True, return_inverse=True)
-    copies = np.flatnonzero(first[group.reshape(-1)] != np.arange(len(rows)))
-    if len(copies):
-        i, j = int(copies[0]), int(first[group.reshape(-1)[copies[0]]])
-        other = f"points[{j - n}]" if j >= n else f"vertex {j} of the domain"
-        raise InputError(f"points[{i - n}] = {rows[i].tolist()} is equal to {other}: drop one of them")
-    straight = np.setdiff1d(np.arange(len(domain.pieces)), list(domain.curves))
-    on = vertices_on_segments(rows, np.arange(n, len(rows)), domain.pieces[straight])
-    if len(on):
-        i, s = on[np.argmin(on[:, 0])].tolist()
-        raise InputError(
-            f"points[{i - n}] = {rows[i].tolist()} lies on piece {straight[s]} of the domain: drop it, or "
-            "make it a vertex of the domain that divides the piece"
-        )
-    _refuse_on_curves(domain.sampled(), points, len(domain.points))
-
-    def given(many: int) -> Domain:
-        return Domain(
-            rows[: n + many], domain.facets, inner=domain.inner, curves=domain.curves,
-            markers=domain.markers, regions=domain.regions,
-        )  # fmt: skip
-
-    try:
-        whole = given(len(points))
-    except InputError as error:
-        good, bad = 0, len(points)  # with so many of the points there is a domain, or none
-        while bad - good > 1:
-            middle = (good + bad) // 2
-            try:
-                given(middle)
-                good = middle
-            except InputError:
-                bad = middle
-        raise InputError(
-            f"points[{good}] = {points[good].tolist()} cannot be a vertex of the domain; if it lies on a "
-            f"curve up to rounding, drop it, or make it a vertex that divides the curve ({error})"
-        ) from None
-    return held_by(whole, domain.spacings, domain.matches)
-
-
-def _refuse_on_curves(sampled: Sampled, points: NDArray[np.float64], known: int) -> None:
-    """Refuse points where chords of curves end, which are the points of ``sampled`` from ``known`` on.
-
-    Other points that are on a curve up to rounding make the domain cut it there, or are refused by it.
-    """
-    rest = sampled.points[known:].tolist()
-    place = {tuple(x): i for i, x in enumerate(points.tolist())} if rest else {}
-    on = [place[x] for x in map(tuple, rest) if x in place]
-    if on:
-        raise InputError(
-            f"points[{min(on)}] = {points[min(on)].tolist()} lies on a curve of the domain: drop it, or make "
-            "it a vertex of the domain that divides the curve"
-        )
+# --- the first front ------------------------------------------------------------------------------
 
 
 def _first_front(
@@ -305,10 +249,10 @@ def _wrapped(
         ties, ahead.found[3] = grown(ties, len(front.made)), 0
         return int(k.wrap(front, ahead, waiting, ties, counts, CELLS_A_CALL))
 
-    waiting = waiting_for(front, None)
+    waiting = room_to_wait(None, len(front.ends), len(front.xy))
     k.start_in_turn(front, waiting)
     front = emptied(front, waiting, advance, factor, bar)
-    m = int(front.state[TRIANGLES_MADE])
+    m = int(front.state[CELLS_MADE])
     names = {"cells": m, "cocircular": int(counts[k.TIES]), "hidden": int(counts[k.HIDDEN_TIMES])}
     return front.made[:m, :3].copy(), ties[:m].copy(), names
 
@@ -323,7 +267,10 @@ def _points_ahead(
     constant = 0.0 if field.constant is None else float(table.values[0, 0])
     choices = Choices(0, 0, False, 1.0, 0.0, constant, n + budget, table)
     front, ahead = _first_front(sampled, sampled.points), new_ahead()
-    waiting, counts = waiting_for(front, None), np.zeros(k.WRAP_COUNTS, dtype=np.int64)
+    waiting, counts = (
+        room_to_wait(None, len(front.ends), len(front.xy)),
+        np.zeros(k.WRAP_COUNTS, dtype=np.int64),
+    )
 
     def advance(front: OpenFront, waiting: Waiting) -> int:
         ahead.found[3] = 0

@@ -16,10 +16,11 @@ from math import inf, sqrt
 import numpy as np
 
 from ...base.codes import DONE, MORE, ROOM
-from ...base.heap import push
 from ...base.jit import inline, lean
 from ...predicates.kernels import incircle
 from ...sizing.table import ROOT3
+from ..advancing.digital_tree import gather
+from ..advancing.rows import CELLS_MADE, VERTEX_COUNT, in_turn, next_in_turn
 from .classical_steps import (
     LATER,
     NONE_FITS,
@@ -29,13 +30,9 @@ from .classical_steps import (
     is_near,
     length_wanted,
     level_of,
-    next_waiting,
 )
-from .digital_tree import gather
 from .empty_circle import apex_ahead, apex_within, cap_of
 from .open_front import (
-    TRIANGLES_MADE,
-    VERTEX_COUNT,
     advance_over,
     blocking_edge,
     enter_vertex,
@@ -66,19 +63,12 @@ WIDE_CELL = 4.0
 WIDEST_LEVEL = 3 * OCTAVE  # that of `WIDE_CELL`
 
 
-@inline
-def in_turn(front, waiting, row, key):
-    """Put an edge into the queue."""
-    value = front.stamp[row] * 4294967296 + row
-    waiting.many[0] = push(waiting.keys, waiting.edges, waiting.many[0], key, np.int64(value))
-
-
 @lean
 def start_in_turn(front, waiting):
     """Put all edges into the queue, the oldest first."""
     for row in range(len(front.ends)):
         if front.ends[row, 0] >= 0:
-            in_turn(front, waiting, np.int64(row), float(front.stamp[row]))
+            in_turn(waiting, front.stamp, np.int64(row), float(front.stamp[row]))
 
 
 @inline
@@ -95,25 +85,25 @@ def wrap(front, ahead, waiting, ties, counts, limit):
     visible vertex on it.
     """
     for _ in range(limit):
-        if is_full(front, waiting) or front.state[TRIANGLES_MADE] >= len(ties):
+        if is_full(front, waiting) or front.state[CELLS_MADE] >= len(ties):
             return ROOM
         if ahead.found[3] > NODES_A_CALL:
             break
-        row = next_waiting(front, waiting)
+        row, _ = next_in_turn(waiting, front.stamp)
         if row < 0:
             return DONE
         c = apex_ahead(front, ahead, row)
         if c < 0:
-            in_turn(front, waiting, row, -1.0)
+            in_turn(waiting, front.stamp, row, -1.0)
             return NONE_FITS
-        ties[front.state[TRIANGLES_MADE]] = ahead.found[1]
+        ties[front.state[CELLS_MADE]] = ahead.found[1]
         counts[TIES] += ahead.found[1]
         counts[HIDDEN_TIMES] += ahead.found[2]
         one, two = advance_over(front, row, c)
         if one >= 0:
-            in_turn(front, waiting, one, float(front.stamp[one]))
+            in_turn(waiting, front.stamp, one, float(front.stamp[one]))
         if two >= 0:
-            in_turn(front, waiting, two, float(front.stamp[two]))
+            in_turn(waiting, front.stamp, two, float(front.stamp[two]))
     return MORE
 
 
@@ -129,14 +119,14 @@ def has_place(front, row, c, x, side):
     if not (abs(px) <= 1.0 and abs(py) <= 1.0):
         return 0
     nearest, near = np.int64(-1), least
-    for i in range(gather(front.vertices, px - least, py - least, px + least, py + least)):
+    for i in range(gather(front.vertices, (px - least, py - least, px + least, py + least))):
         v = np.int64(found[i])
         if v != a and v != b and between(xy, v, x) < near:
             nearest, near = v, between(xy, v, x)
     if nearest >= 0:
         return -1 if nearest == c else 0
     found, least = front.edges.found, OFF_EDGES * side
-    for i in range(gather(front.edges, px - least, py - least, px + least, py + least)):
+    for i in range(gather(front.edges, (px - least, py - least, px + least, py + least))):
         other = np.int64(found[i])
         if other != row and is_near(
             xy, x, np.int64(front.ends[other, 0]), np.int64(front.ends[other, 1]), least
@@ -254,7 +244,7 @@ def push_ahead(front, choices, ahead, waiting, row):
     if c >= 0:
         width = width_of(front, choices, np.int64(front.ends[row, 0]), np.int64(front.ends[row, 1]), c)
         key = float(max(WIDEST_LEVEL - level_of(max(width, 1e-3)), 0))
-    in_turn(front, waiting, row, key * LATER + float(front.stamp[row]))
+    in_turn(waiting, front.stamp, row, key * LATER + float(front.stamp[row]))
 
 
 @lean
@@ -273,17 +263,17 @@ def place_ahead(front, choices, ahead, waiting, counts, limit):
             return ROOM
         if waiting.many[0] == 0:
             return DONE
-        row = next_waiting(front, waiting)
+        row, key = next_in_turn(waiting, front.stamp)
         if row < 0:
             return DONE
-        aside = waiting.measures[0] >= ASIDE_AFTER
+        aside = key >= ASIDE_AFTER
         c = choose_ahead(front, choices, ahead, counts, row, aside)
         if c == -3:
-            in_turn(front, waiting, row, -1.0)
+            in_turn(waiting, front.stamp, row, -1.0)
             return NONE_FITS
         if c == -1:
             counts[SET_ASIDE] += 1
-            in_turn(front, waiting, row, ASIDE_AFTER + float(front.stamp[row]))
+            in_turn(waiting, front.stamp, row, ASIDE_AFTER + float(front.stamp[row]))
         elif c == -2:
             push_ahead(front, choices, ahead, waiting, row)
         else:

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, lean
 from ...predicates.kernels import incircle
-from .digital_tree import LOWER, UPPER
+from ..advancing.digital_tree import LOWER, UPPER
 from .open_front import blocking_edge, meets_inside, turn
 
 __all__ = ["Ahead", "apex_ahead", "apex_within", "cap_of", "new_ahead"]

@@ -62,6 +62,7 @@ class MetricRun:
         history: bool,
     ):
         self.domain, self.complex, self.history = domain, complex_, history
+        self.circles = False  # whether metric circles are to be empty in the end
         c, rank = complex_, ORDERS.index(order)
         table = metric.table(*domain.bounds, factor=c.factor)
         self.table, self.expected = table.nodes, table.area() / np.sqrt(0.75)  # points: half the triangles
@@ -112,11 +113,7 @@ class MetricRun:
     def march(self, budget: int, bar: Any) -> None:
         """Advance until the front is empty, or until there are so many new points."""
         c = self.complex
-        stars = self.stars()
-        passes = min(max(int(MOST_SEEN / c.triangles), FEWEST_PASSES), MOST_PASSES)
-        for _ in range(passes):
-            if improving.swap_for_circles(stars, c.region, c.triangles, self.table) == 0:
-                break
+        self._swap_for_circles(min(max(int(MOST_SEEN / c.triangles), FEWEST_PASSES), MOST_PASSES))
         self.most = self.first + budget
         k.start_metric_front(c.plane(), self.marching())
         while True:
@@ -135,6 +132,13 @@ class MetricRun:
                 break
         mark = c.mark[: 3 * c.triangles]
         mark[mark == self.rule.number] = -1
+
+    def _swap_for_circles(self, passes: int) -> None:
+        """Swap diagonals until metric circles are empty, or for so many passes."""
+        c, stars = self.complex, self.stars()
+        for _ in range(passes):
+            if improving.swap_for_circles(stars, c.region, c.triangles, self.table) == 0:
+                break
 
     # ------------------------------------------------------------------ finishing and the account
 
@@ -162,6 +166,8 @@ class MetricRun:
             todo = again
             if number > 0 and moves + swaps + c.size - before + removed <= FEW_CHANGES * c.size:
                 break
+        if self.circles:
+            self._swap_for_circles(MOST_PASSES)
         return done
 
     def _touched(self, corners: NDArray[np.int32], todo: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -235,8 +241,13 @@ class MetricRun:
 
 
 def filled_by_metric(planar: Domain, metric: Metric, most: int) -> DomainMesh:
-    """A domain of the plane whose pieces stay as they are, meshed by a metric: for faces of bodies."""
+    """A domain of the plane whose pieces stay as they are, meshed by a metric: for faces of bodies.
+
+    In the end the metric circles of its triangles are empty, so that cells of the body can have them as faces
+    without ado (see `space_front.metric_start`).
+    """
     run = MetricRun(planar, planar_complex(planar, metric), metric, "widest", "circle", False)
+    run.circles = True
     run.march(most, None)
     if run.spent:
         raise InputError(too_many(most + 1, most))

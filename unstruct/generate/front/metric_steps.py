@@ -19,6 +19,7 @@ from ...connect.insertion.engine import COUNT
 from ...connect.insertion.halfedges import SEGMENTS, VERTICES, end_of, start_of
 from ...sizing.metric_table import MetricNodes, root_at
 from ...sizing.table import ROOT3
+from ..advancing.queue import LAST_LEVEL
 from ..rebay.queue import ACCEPTED, LEVEL, STATUS, bucket_of, next_slot, push
 from . import bookkeeping as book
 from .metric_cavity import attempt_in_metric, mapped, scale_of, square_of, unmapped
@@ -91,7 +92,7 @@ def grade_metric(plane, march, t):
     links, rule = march.links, march.rule
     buckets = len(march.gates) // 2
     if rule.order == book.OLDEST:
-        links[t, LEVEL] = book.LAST_LEVEL + 1
+        links[t, LEVEL] = LAST_LEVEL + 1
         return
     if rule.order == book.SMALLEST:
         m = metric_of(plane, march.table, t)
@@ -103,13 +104,13 @@ def grade_metric(plane, march, t):
         square, _, _ = circle_in_metric(plane, march.table, t)
         measure = square / ACCEPTED_SQUARE
     level = bucket_of(measure, buckets - 1) if measure < 1e300 else buckets - 2
-    links[t, LEVEL] = book.LAST_LEVEL + 1 + level
+    links[t, LEVEL] = LAST_LEVEL + 1 + level
 
 
 @inline
 def enqueue_metric(plane, march, t):
     """Put an unfinished triangle that has just got an edge at the front in the queue."""
-    if book.leaves_queue(march, t):
+    if book.is_to_be_graded(march, t):
         grade_metric(plane, march, t)
         push(march.links, march.gates, march.turn, t, march.rule.last_first)
 

@@ -26,19 +26,24 @@ from numpy.typing import NDArray
 from ...base.jit import inline, lean
 from ...connect.insertion.engine import grown
 from ...predicates.kernels import orient2
-from .digital_tree import DigitalTree, gather, larger_tree, new_tree, plant, planted, pull
+from ..advancing.digital_tree import DigitalTree, gather, larger_tree, new_tree, plant, planted, pull
+from ..advancing.rows import (
+    ALIVE,
+    CELLS_MADE,
+    FREE_ROW,
+    FRONT_STATE,
+    VERTEX_COUNT,
+    drop_row,
+    larger_counts,
+    new_row,
+    put_in_chain,
+)
 
 __all__ = [
-    "ALIVE",
     "CROSSED",
-    "EDGE_STAMP",
-    "FREE_ROW",
     "HOLDS",
     "NOT_LEFT",
     "NO_FAULT",
-    "ROWS",
-    "TRIANGLES_MADE",
-    "VERTEX_COUNT",
     "OpenFront",
     "advance_over",
     "enter_edge",
@@ -51,8 +56,6 @@ __all__ = [
     "row_of",
 ]  # fmt: skip
 
-# Places in the state.
-ROWS, FREE_ROW, ALIVE, EDGE_STAMP, VERTEX_COUNT, TRIANGLES_MADE, FRONT_STATE = range(7)
 # What `first_fault` finds.
 NO_FAULT, NOT_LEFT, CROSSED, HOLDS = range(4)
 
@@ -92,20 +95,14 @@ def new_front(xy: NDArray[np.float64], rows: int, capacity: int) -> OpenFront:
     return OpenFront(
         places, np.full((rows, 2), -1, dtype=np.int32), np.empty(rows, dtype=np.int32),
         np.full(rows, -1, dtype=np.int64), np.empty(rows, dtype=np.int32),
-        np.full(len(places), -1, dtype=np.int32), np.zeros(len(places), dtype=bool), new_tree(rows),
-        new_tree(len(places)), state, np.empty((2 * len(places) + 8, 4), dtype=np.int32),
+        np.full(len(places), -1, dtype=np.int32), np.zeros(len(places), dtype=bool), new_tree(rows, 2),
+        new_tree(len(places), 2), state, np.empty((2 * len(places) + 8, 4), dtype=np.int32),
     )  # fmt: skip
 
 
 def larger_front(front: OpenFront) -> OpenFront:
     """The same front with half as much room again, wherever little is left."""
-    rows, n, made = len(front.ends), len(front.xy), len(front.made)
-    if front.state[ALIVE] + 64 > rows - rows // 8:
-        rows += rows // 2 + 64
-    if front.state[VERTEX_COUNT] + 8 > n - n // 8:
-        n += n // 2 + 64
-    if front.state[TRIANGLES_MADE] + 8 > made - made // 8:
-        made += made // 2 + 64
+    rows, n, made = larger_counts(front.state, len(front.ends), len(front.xy), len(front.made))
     ends, stamp = np.full((rows, 2), -1, dtype=np.int32), np.full(rows, -1, dtype=np.int64)
     ends[: len(front.ends)], stamp[: len(front.ends)] = front.ends, front.stamp
     first, loose = np.full(n, -1, dtype=np.int32), np.zeros(n, dtype=bool)
@@ -125,7 +122,7 @@ def has_room(front):
     return (
         state[ALIVE] + 4 < len(front.ends)
         and state[VERTEX_COUNT] + 2 < len(front.first)
-        and state[TRIANGLES_MADE] + 2 < len(front.made)
+        and state[CELLS_MADE] + 2 < len(front.made)
     )
 
 
@@ -133,31 +130,22 @@ def has_room(front):
 def enter_vertex(front, v):
     """Put vertex v, which has no edge at the front, into the front."""
     front.loose[v] = True
-    plant(front.vertices, v, front.xy[v, 0], front.xy[v, 1], 0.0)
+    plant(front.vertices, v, (front.xy[v, 0], front.xy[v, 1]), 0.0)
 
 
 @lean
 def enter_edge(front, a, b, region):
     """Put the edge from a to b into the front; return its row."""
-    xy, state = front.xy, front.state
-    row = state[FREE_ROW]
-    if row >= 0:
-        state[FREE_ROW] = front.chain[row]
-    else:
-        row = state[ROWS]
-        state[ROWS] += 1
+    xy, row = front.xy, new_row(front)
     front.ends[row, 0], front.ends[row, 1] = a, b
     front.region[row] = region
-    front.stamp[row] = state[EDGE_STAMP]
-    state[EDGE_STAMP] += 1
-    state[ALIVE] += 1
     front.loose[a] = front.loose[b] = False
     if not planted(front.vertices, a):
-        plant(front.vertices, a, xy[a, 0], xy[a, 1], 0.0)
-    front.chain[row] = front.first[a]
-    front.first[a] = row
+        plant(front.vertices, a, (xy[a, 0], xy[a, 1]), 0.0)
+    put_in_chain(front, row, a)
     dx, dy = abs(xy[b, 0] - xy[a, 0]), abs(xy[b, 1] - xy[a, 1])
-    plant(front.edges, row, 0.5 * (xy[a, 0] + xy[b, 0]), 0.5 * (xy[a, 1] + xy[b, 1]), 0.5 * max(dx, dy))
+    middle = (0.5 * (xy[a, 0] + xy[b, 0]), 0.5 * (xy[a, 1] + xy[b, 1]))
+    plant(front.edges, row, middle, 0.5 * max(dx, dy))
     return row
 
 
@@ -165,22 +153,11 @@ def enter_edge(front, a, b, region):
 def leave_edge(front, row):
     """Take an edge out of the front, and the vertex where it starts if no other edge starts there."""
     a = np.int64(front.ends[row, 0])
-    if front.first[a] == row:
-        front.first[a] = front.chain[row]
-    else:
-        before = np.int64(front.first[a])
-        while front.chain[before] != row:
-            before = np.int64(front.chain[before])
-        front.chain[before] = front.chain[row]
+    drop_row(front, row, a)
     if front.first[a] < 0:
         pull(front.vertices, a)
     pull(front.edges, row)
-    state = front.state
     front.ends[row, 0] = front.ends[row, 1] = -1
-    front.stamp[row] = -1
-    front.chain[row] = state[FREE_ROW]
-    state[FREE_ROW] = row
-    state[ALIVE] -= 1
 
 
 @inline
@@ -196,9 +173,9 @@ def row_of(front, a, b):
 def advance_over(front, row, c):
     """Make the triangle of the edge in ``row`` and vertex c; return the two rows that entered, or -1."""
     a, b, region = np.int64(front.ends[row, 0]), np.int64(front.ends[row, 1]), front.region[row]
-    k = front.state[TRIANGLES_MADE]
+    k = front.state[CELLS_MADE]
     front.made[k, 0], front.made[k, 1], front.made[k, 2], front.made[k, 3] = a, b, c, region
-    front.state[TRIANGLES_MADE] += 1
+    front.state[CELLS_MADE] += 1
     met, other = row_of(front, c, a), row_of(front, b, c)
     # Edges enter before others leave, so that vertices that stay at the front are not taken out in between.
     one = enter_edge(front, a, c, region) if met < 0 else np.int64(-1)
@@ -268,8 +245,7 @@ def window_of(xy, a, b, c):
 def blocking_edge(front, a, b, c):
     """The row of a front edge that meets the open triangle abc, -1 for none."""
     xy, ends, found = front.xy, front.ends, front.edges.found
-    x0, y0, x1, y1 = window_of(xy, a, b, c)
-    for i in range(gather(front.edges, x0, y0, x1, y1)):
+    for i in range(gather(front.edges, window_of(xy, a, b, c))):
         s, t = np.int64(ends[found[i], 0]), np.int64(ends[found[i], 1])
         if reaches(xy, a, b, c, s, t) and meets_inside(xy, a, b, c, s, t):
             return np.int64(found[i])
@@ -280,8 +256,7 @@ def blocking_edge(front, a, b, c):
 def holds_vertex(front, a, b, c):
     """Whether a vertex of the front, besides the corners, is in the closed triangle abc."""
     xy, found = front.xy, front.vertices.found
-    x0, y0, x1, y1 = window_of(xy, a, b, c)
-    for i in range(gather(front.vertices, x0, y0, x1, y1)):
+    for i in range(gather(front.vertices, window_of(xy, a, b, c))):
         v = np.int64(found[i])
         if v != a and v != b and v != c:
             if turn(xy, a, b, v) >= 0 and turn(xy, b, c, v) >= 0 and turn(xy, c, a, v) >= 0:

@@ -30,6 +30,7 @@ from ...connect.insertion.halfedges import SEGMENTS, VERTICES, end_of, start_of
 from ...connect.planar.cavity import find_cavity_here
 from ...predicates.kernels import incircle, orient2
 from ...sizing.table import ROOT3, Nodes
+from ..advancing.queue import LAST_LEVEL
 from ..rebay.queue import ACCEPTED, LEVEL, STATUS, bucket_of, next_slot, push
 from ..rebay.steps import circle, wanted
 from . import bookkeeping as book
@@ -88,7 +89,7 @@ def grade(plane, march, t):
     links, rule = march.links, march.rule
     buckets = len(march.gates) // 2
     if rule.order == book.OLDEST:
-        links[t, LEVEL] = book.LAST_LEVEL + 1
+        links[t, LEVEL] = LAST_LEVEL + 1
         return
     above, below, f = radius(plane, march, t)
     if rule.order == book.SMALLEST:
@@ -103,13 +104,13 @@ def grade(plane, march, t):
     else:
         below *= f * f * rule.scale
     level = bucket_of(above / below, buckets - 1) if below > 0.0 else buckets - 2
-    links[t, LEVEL] = book.LAST_LEVEL + 1 + level
+    links[t, LEVEL] = LAST_LEVEL + 1 + level
 
 
 @inline
 def enqueue(plane, march, t):
     """Put an unfinished triangle that has just got an edge at the front in the queue."""
-    if book.leaves_queue(march, t):
+    if book.is_to_be_graded(march, t):
         grade(plane, march, t)
         push(march.links, march.gates, march.turn, t, march.rule.last_first)
 
@@ -126,7 +127,7 @@ def note_neighbors(plane, march, t, later, many):
             o = np.int64(plane.twin[j] // 3)
             if march.rule.order == book.SHORTEST:
                 enqueue(plane, march, o)
-            elif march.links[o, STATUS] != AFTER_STEP and book.leaves_queue(march, o):
+            elif march.links[o, STATUS] != AFTER_STEP and book.is_to_be_graded(march, o):
                 march.links[o, STATUS], later[many] = AFTER_STEP, o
                 many += 1
     return many

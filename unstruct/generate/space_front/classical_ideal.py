@@ -9,7 +9,7 @@ import numpy as np
 
 from ...base.jit import inline, lean
 from ...sizing.space_table import SpaceNodes, size_in_space
-from .classical_open import POINTS_THERE
+from ..advancing.rows import VERTEX_COUNT
 
 __all__ = ["SpaceChoices", "apart_by", "from_place", "ideal_in_space", "roundness_of", "wanted_at"]
 
@@ -59,7 +59,7 @@ def ideal_in_space(front, choices, row, lower):
     obtuse, the middle of the longest edge. The length is taken at the height of the center of the regular
     tetrahedron. Edges 0 mean that there is no such point, since lengths so small are lost to rounding.
     """
-    xyz, n = front.xyz, front.state[POINTS_THERE]
+    xyz, n = front.xyz, front.state[VERTEX_COUNT]
     a, b, c = np.int64(front.corner[row, 0]), np.int64(front.corner[row, 1]), np.int64(front.corner[row, 2])
     p, q, r = apart_by(xyz, b, c), apart_by(xyz, c, a), apart_by(xyz, a, b)
     ux, uy, uz = xyz[b, 0] - xyz[a, 0], xyz[b, 1] - xyz[a, 1], xyz[b, 2] - xyz[a, 2]

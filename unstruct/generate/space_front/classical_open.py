@@ -23,19 +23,20 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, kernel, lean
 from ...connect.insertion.engine import grown
-from .classical_tree import (
-    SpaceTree,
-    is_planted,
-    larger_space_tree,
-    new_space_tree,
-    plant_in_space,
-    pull_from_space,
+from ..advancing.digital_tree import DigitalTree, larger_tree, new_tree, plant, planted, pull
+from ..advancing.rows import (
+    ALIVE,
+    CELLS_MADE,
+    FREE_ROW,
+    FRONT_STATE,
+    VERTEX_COUNT,
+    drop_row,
+    larger_counts,
+    new_row,
+    put_in_chain,
 )
 
 __all__ = [
-    "FACES_ALIVE",
-    "POINTS_THERE",
-    "TETRAHEDRA_MADE",
     "SpaceFront",
     "close_cell",
     "enter_loose",
@@ -44,9 +45,6 @@ __all__ = [
     "larger_space_front",
     "new_space_front",
 ]  # fmt: skip
-
-# Places in the state.
-FACE_ROWS, FREE_FACE, FACES_ALIVE, FACE_STAMP, POINTS_THERE, TETRAHEDRA_MADE, SPACE_STATE = range(7)
 
 
 class SpaceFront(NamedTuple):
@@ -62,9 +60,9 @@ class SpaceFront(NamedTuple):
     first: NDArray[np.int32]  # for each vertex the first row of which it is the lowest, -1 for none
     around: NDArray[np.int32]  # for each vertex how many faces of the front it has
     loose: NDArray[np.bool_]  # whether a vertex is at the front without a face
-    faces: SpaceTree
-    vertices: SpaceTree
-    threads: SpaceTree  # inner segments that are no edges of triangles
+    faces: DigitalTree
+    vertices: DigitalTree
+    threads: DigitalTree  # inner segments that are no edges of triangles
     ends: NDArray[np.int32]  # (., 2) of these
     state: NDArray[np.int64]
     made: NDArray[np.int32]  # (., 5) the cells in the order in which they were made, and their regions
@@ -98,15 +96,15 @@ def new_space_front(
     capacity = 2 * n + 64
     places = np.zeros((capacity, 3))
     places[:n] = xyz
-    state = np.zeros(SPACE_STATE, dtype=np.int64)
-    state[FREE_FACE], state[POINTS_THERE] = -1, n
+    state = np.zeros(FRONT_STATE, dtype=np.int64)
+    state[FREE_ROW], state[VERTEX_COUNT] = -1, n
     front = SpaceFront(
         places, np.full((rows, 3), -1, dtype=np.int32), np.zeros(rows, dtype=np.int32),
         np.full(rows, -1, dtype=np.int64), np.zeros(rows, dtype=np.int8),
         np.zeros(rows, dtype=np.int32), np.full(rows, -1, dtype=np.int32),
         np.full(capacity, -1, dtype=np.int32), np.zeros(capacity, dtype=np.int32),
-        np.zeros(capacity, dtype=bool), new_space_tree(rows), new_space_tree(capacity),
-        new_space_tree(len(threads) + 1), np.array(threads, dtype=np.int32).reshape(-1, 2), state,
+        np.zeros(capacity, dtype=bool), new_tree(rows, 3), new_tree(capacity, 3),
+        new_tree(len(threads) + 1, 3), np.array(threads, dtype=np.int32).reshape(-1, 2), state,
         np.empty((8 * len(faces) + 64, 5), dtype=np.int32), np.zeros(4, dtype=np.int64), np.zeros((4, 3)),
     )  # fmt: skip
     _enter_all(
@@ -120,13 +118,7 @@ def new_space_front(
 
 def larger_space_front(front: SpaceFront) -> SpaceFront:
     """The same front with half as much room again, wherever little is left."""
-    rows, n, made, state = len(front.corner), len(front.xyz), len(front.made), front.state
-    if state[FACES_ALIVE] + 64 > rows - rows // 8:
-        rows += rows // 2 + 64
-    if state[POINTS_THERE] + 8 > n - n // 8:
-        n += n // 2 + 64
-    if state[TETRAHEDRA_MADE] + 8 > made - made // 8:
-        made += made // 2 + 64
+    rows, n, made = larger_counts(front.state, len(front.corner), len(front.xyz), len(front.made))
 
     def more(array: NDArray, count: int, empty: int) -> NDArray:
         result = np.full((count, *array.shape[1:]), empty, dtype=array.dtype)
@@ -140,8 +132,8 @@ def larger_space_front(front: SpaceFront) -> SpaceFront:
         refused=more(front.refused, rows, 0),
         chain=more(front.chain, rows, -1), first=more(front.first, n, -1), around=more(front.around, n, 0),
         loose=more(front.loose, n, 0), made=grown(front.made, made),
-        faces=larger_space_tree(front.faces, rows) if rows > len(front.corner) else front.faces,
-        vertices=larger_space_tree(front.vertices, n) if n > len(front.xyz) else front.vertices,
+        faces=larger_tree(front.faces, rows) if rows > len(front.corner) else front.faces,
+        vertices=larger_tree(front.vertices, n) if n > len(front.xyz) else front.vertices,
     )  # fmt: skip
 
 
@@ -157,10 +149,8 @@ def _enter_all(front, faces, region, loose):
         a, b, half = front.ends[i, 0], front.ends[i, 1], 0.0
         for k in range(3):
             half = max(half, 0.5 * abs(xyz[a, k] - xyz[b, k]))
-        plant_in_space(
-            front.threads, i, 0.5 * (xyz[a, 0] + xyz[b, 0]), 0.5 * (xyz[a, 1] + xyz[b, 1]),
-            0.5 * (xyz[a, 2] + xyz[b, 2]), half,
-        )  # fmt: skip
+        x, y, z = xyz[a, 0] + xyz[b, 0], xyz[a, 1] + xyz[b, 1], xyz[a, 2] + xyz[b, 2]
+        plant(front.threads, i, (0.5 * x, 0.5 * y, 0.5 * z), half)
 
 
 @inline
@@ -168,9 +158,9 @@ def has_space(front):
     """Whether one more step fits: three faces, a vertex, a cell."""
     state = front.state
     return (
-        state[FACES_ALIVE] + 8 < len(front.corner)
-        and state[POINTS_THERE] + 4 < len(front.first)
-        and state[TETRAHEDRA_MADE] + 2 < len(front.made)
+        state[ALIVE] + 8 < len(front.corner)
+        and state[VERTEX_COUNT] + 4 < len(front.first)
+        and state[CELLS_MADE] + 2 < len(front.made)
     )
 
 
@@ -178,7 +168,7 @@ def has_space(front):
 def enter_loose(front, v):
     """Put vertex v, which has no face at the front, into the front."""
     front.loose[v] = True
-    plant_in_space(front.vertices, v, front.xyz[v, 0], front.xyz[v, 1], front.xyz[v, 2], 0.0)
+    plant(front.vertices, v, (front.xyz[v, 0], front.xyz[v, 1], front.xyz[v, 2]), 0.0)
 
 
 @inline
@@ -194,61 +184,37 @@ def lowest_first(a, b, c):
 @lean
 def enter_face(front, a, b, c, region):
     """Put the face abc into the front, with its lowest vertex first; return its row."""
-    xyz, state = front.xyz, front.state
+    xyz, row = front.xyz, new_row(front)
     a, b, c = lowest_first(a, b, c)
-    row = state[FREE_FACE]
-    if row >= 0:
-        state[FREE_FACE] = front.chain[row]
-    else:
-        row = state[FACE_ROWS]
-        state[FACE_ROWS] += 1
     front.corner[row, 0], front.corner[row, 1], front.corner[row, 2] = a, b, c
     front.region[row], front.level[row], front.refused[row] = region, 0, 0
-    front.stamp[row] = state[FACE_STAMP]
-    state[FACE_STAMP] += 1
-    state[FACES_ALIVE] += 1
     for k in range(3):
         v = np.int64(front.corner[row, k])
         front.loose[v] = False
         front.around[v] += 1
-        if not is_planted(front.vertices, v):
-            plant_in_space(front.vertices, v, xyz[v, 0], xyz[v, 1], xyz[v, 2], 0.0)
-    front.chain[row] = front.first[a]
-    front.first[a] = row
+        if not planted(front.vertices, v):
+            plant(front.vertices, v, (xyz[v, 0], xyz[v, 1], xyz[v, 2]), 0.0)
+    put_in_chain(front, row, a)
     half = 0.0
     for k in range(3):
         least, most = min(xyz[a, k], xyz[b, k], xyz[c, k]), max(xyz[a, k], xyz[b, k], xyz[c, k])
         front.corners[0, k] = 0.5 * (least + most)
         half = max(half, 0.5 * (most - least))
-    plant_in_space(
-        front.faces, row, front.corners[0, 0], front.corners[0, 1], front.corners[0, 2], half
-    )  # fmt: skip
+    plant(front.faces, row, (front.corners[0, 0], front.corners[0, 1], front.corners[0, 2]), half)
     return row
 
 
 @lean
 def leave_face(front, row):
     """Take a face out of the front, and its vertices that have no other face there."""
-    low = np.int64(front.corner[row, 0])
-    if front.first[low] == row:
-        front.first[low] = front.chain[row]
-    else:
-        before = np.int64(front.first[low])
-        while front.chain[before] != row:
-            before = np.int64(front.chain[before])
-        front.chain[before] = front.chain[row]
+    drop_row(front, row, np.int64(front.corner[row, 0]))
     for k in range(3):
         v = np.int64(front.corner[row, k])
         front.around[v] -= 1
         if front.around[v] == 0:
-            pull_from_space(front.vertices, v)
+            pull(front.vertices, v)
         front.corner[row, k] = -1
-    pull_from_space(front.faces, row)
-    state = front.state
-    front.stamp[row] = -1
-    front.chain[row] = state[FREE_FACE]
-    state[FREE_FACE] = row
-    state[FACES_ALIVE] -= 1
+    pull(front.faces, row)
 
 
 @lean
@@ -262,18 +228,18 @@ def face_row(front, a, b, c):
 
 
 @lean
-def close_cell(front, row, d, rows):
-    """Make the cell of the face in ``row`` and vertex d; ``rows`` gets the three rows that entered, or -1."""
+def close_cell(front, row, d):
+    """Make the cell of the face in ``row`` and vertex d; return the three rows that entered, or -1."""
     a, b, c = np.int64(front.corner[row, 0]), np.int64(front.corner[row, 1]), np.int64(front.corner[row, 2])
-    region, k = front.region[row], front.state[TETRAHEDRA_MADE]
+    region, k = front.region[row], front.state[CELLS_MADE]
     made = front.made
     made[k, 0], made[k, 1], made[k, 2], made[k, 3], made[k, 4] = a, b, c, d, region
-    front.state[TETRAHEDRA_MADE] += 1
+    front.state[CELLS_MADE] += 1
     one, two, three = face_row(front, b, a, d), face_row(front, c, b, d), face_row(front, a, c, d)
     # Faces enter before others leave, so that vertices that stay at the front are not taken out in between.
-    rows[0] = enter_face(front, a, b, d, region) if one < 0 else np.int64(-1)
-    rows[1] = enter_face(front, b, c, d, region) if two < 0 else np.int64(-1)
-    rows[2] = enter_face(front, c, a, d, region) if three < 0 else np.int64(-1)
+    over = enter_face(front, a, b, d, region) if one < 0 else np.int64(-1)
+    next_over = enter_face(front, b, c, d, region) if two < 0 else np.int64(-1)
+    last_over = enter_face(front, c, a, d, region) if three < 0 else np.int64(-1)
     leave_face(front, row)
     if one >= 0:
         leave_face(front, one)
@@ -281,3 +247,4 @@ def close_cell(front, row, d, rows):
         leave_face(front, two)
     if three >= 0:
         leave_face(front, three)
+    return over, next_over, last_over

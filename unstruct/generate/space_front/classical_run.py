@@ -20,9 +20,11 @@ from ...domain.space.by_part import parts_of_body
 from ...predicates.batch import power_of_two, unscaled
 from ...sizing.field import SizeField
 from ...sizing.space_table import SpaceNodes, space_nodes
+from ..advancing.journal import Journal, columns_of, empty_journal, larger_journal
+from ..advancing.rows import CELLS_MADE, VERTEX_COUNT, room_to_wait
 from . import classical_steps as k
 from .classical_ideal import SpaceChoices
-from .classical_open import POINTS_THERE, TETRAHEDRA_MADE, SpaceFront, larger_space_front, new_space_front
+from .classical_open import SpaceFront, larger_space_front, new_space_front
 
 __all__ = [
     "BODY_ORDERS",
@@ -182,13 +184,13 @@ def marched_in_space(
         BODY_ORDERS.index(order), list(BODY_SEARCHES).index(search), reach, least, constant, most, nodes
     )
     waiting, counts = _waiting(front, None), np.zeros(k.MARCH_COUNTS, dtype=np.int64)
-    journal = _journal(front, None, history, counts)
+    journal = _journal(front, empty_journal(3), history, counts)
     k.start_waiting_in_space(front, choices, waiting)
     with progress_bar(progress, " tetrahedra") as bar:
         while True:
-            before = int(front.state[TETRAHEDRA_MADE])
+            before = int(front.state[CELLS_MADE])
             code = k.march_in_space(front, choices, waiting, journal, counts, LOOKS_A_CALL)
-            bar.update(int(front.state[TETRAHEDRA_MADE]) - before)
+            bar.update(int(front.state[CELLS_MADE]) - before)
             if code in (DONE, k.NO_CELL):
                 break
             if code == ROOM:
@@ -211,57 +213,38 @@ def _table(points: NDArray[np.float64], field: SizeField, factor: float) -> Spac
 
 def _waiting(front: SpaceFront, old: k.SpaceWaiting | None) -> k.SpaceWaiting:
     """The queue with room for the front; ``old`` is what was in it before."""
-    rows, vertices = 2 * len(front.corner) + 64, len(front.xyz) + 16
-    many = np.zeros(3, dtype=np.int64) if old is None else old.many
-    rows = max(rows, 2 * int(many[0] + many[1]) + 64)
-    none = np.empty(0, dtype=np.int64)
-    keys, faces, stuck = (np.empty(0), none, none) if old is None else (old.keys, old.faces, old.stuck)
-    return k.SpaceWaiting(
-        grown(keys, rows), grown(faces, rows), many, grown(stuck, rows), np.empty(vertices),
-        np.empty(vertices, dtype=np.int64), np.empty(3, dtype=np.int64),
-    )  # fmt: skip
+    stuck, held, turns = np.empty(0, dtype=np.int64), np.zeros(2, dtype=np.int64), None
+    if old is not None:
+        turns, stuck, held = old
+    rows = len(front.corner) + int(held[k.STUCK_NOW])
+    turns = room_to_wait(turns, rows, len(front.xyz))
+    return k.SpaceWaiting(turns, grown(stuck, len(turns.keys)), held)
 
 
-def _journal(
-    front: SpaceFront, old: k.SpaceJournal | None, history: bool, counts: NDArray[np.int64]
-) -> k.SpaceJournal:
-    """The record with room for as many cells as the front has, and the candidates of one more step."""
-    if old is None:
-        none = np.empty((0, 2), dtype=np.int32)
-        old = k.SpaceJournal(none, np.empty((0, 5)), none)
+def _journal(front: SpaceFront, old: Journal, history: bool, counts: NDArray[np.int64]) -> Journal:
+    """The record, if one is wanted, with room for as many cells as the front has."""
     if not history:
         return old
-    rows, tried = len(front.made), 2 * int(counts[k.RECORDED]) + 4 * len(front.xyz) + 64
-    return k.SpaceJournal(grown(old.log, rows), grown(old.numbers, rows), grown(old.tried, tried))
+    return larger_journal(old, len(front.made), int(counts[k.RECORDED]), len(front.xyz))
 
 
 def _account(
     front: SpaceFront,
-    journal: k.SpaceJournal,
+    journal: Journal,
     counts: NDArray[np.int64],
     factor: float,
     most: int,
     history: bool,
 ) -> SpaceRun:
-    m, n = int(front.state[TETRAHEDRA_MADE]), int(front.state[POINTS_THERE])
+    m, n = int(front.state[CELLS_MADE]), int(front.state[VERTEX_COUNT])
     alive = np.flatnonzero(front.stamp >= 0)
     alive = alive[np.argsort(front.stamp[alive])]
     named = dict(zip([*CLASSICAL_BODY_REASONS, "candidates"], counts.tolist())) | {"stuck faces": len(alive)}
     steps = None
     if history:
-        tried = journal.tried[: int(counts[k.RECORDED])]
-        numbers = journal.numbers[:m] / factor
-        steps = {
-            "face": front.made[:m, :3].copy(),
-            "apex": front.made[:m, 3].copy(),
-            "reason": np.array(CLASSICAL_BODY_REASONS)[journal.log[:m, 0]],
-            "ideal": numbers[:, :3].copy(),
-            "size": numbers[:, 3].copy(),
-            "radius": numbers[:, 4].copy(),
-            "start": np.append(journal.log[:m, 1], len(tried)),
-            "vertex": tried[:, 0].copy(),
-            "verdict": np.array(BODY_VERDICTS)[tried[:, 1]],
-        }
+        steps = {"face": front.made[:m, :3].copy(), "apex": front.made[:m, 3].copy()}
+        recorded = int(counts[k.RECORDED])
+        steps |= columns_of(journal, m, recorded, factor, CLASSICAL_BODY_REASONS, BODY_VERDICTS)
     return SpaceRun(
         unscaled(front.xyz[:n], factor), front.made[:m].copy(), front.corner[alive].astype(np.int64),
         front.region[alive].astype(np.int64), named, steps, n >= most,

@@ -21,7 +21,7 @@ import numpy as np
 
 from ...base.jit import apart, inline, lean
 from ...geometry.triangle_pairs import meeting, side
-from .classical_tree import gather_in_space
+from ..advancing.digital_tree import gather
 
 __all__ = [
     "CELL_CROSSED", "CELL_FREE", "CELL_HOLDS", "NOT_AHEAD", "blocking_face", "box_of_cell", "cell_fault",
@@ -146,7 +146,7 @@ def box_of_cell(xyz, cell):
 def holds_one(front):
     """Whether a vertex of the front, besides the corners, is in the closed cell."""
     xyz, cell, found = front.xyz, front.cell, front.vertices.found
-    for i in range(gather_in_space(front.vertices, box_of_cell(xyz, cell))):
+    for i in range(gather(front.vertices, box_of_cell(xyz, cell))):
         v = np.int64(found[i])
         if not is_corner(cell, v) and beyond_sides(xyz, cell, v) == 0:
             return True
@@ -158,7 +158,7 @@ def blocking_face(front):
     """The row of a face of the front that is in the way of the cell, -1 for none."""
     xyz, cell, corner, found = front.xyz, front.cell, front.corner, front.faces.found
     window = box_of_cell(xyz, cell)
-    for i in range(gather_in_space(front.faces, window)):
+    for i in range(gather(front.faces, window)):
         row = np.int64(found[i])
         u, v, w = np.int64(corner[row, 0]), np.int64(corner[row, 1]), np.int64(corner[row, 2])
         if not is_apart(xyz, window, u, v, w) and meets_cell(xyz, cell, u, v, w):
@@ -172,7 +172,7 @@ def blocking_thread(front):
     if front.ends.shape[0] == 0:
         return False
     xyz, cell, found = front.xyz, front.cell, front.threads.found
-    for i in range(gather_in_space(front.threads, box_of_cell(xyz, cell))):
+    for i in range(gather(front.threads, box_of_cell(xyz, cell))):
         if is_pierced(xyz, cell, np.int64(front.ends[found[i], 0]), np.int64(front.ends[found[i], 1])):
             return True
     return False

@@ -35,12 +35,24 @@ from numpy.typing import NDArray
 
 from ...base.candidate_heap import put, take
 from ...base.codes import DONE, MORE, ROOM
-from ...base.heap import pop, push
 from ...base.jit import apart, inline, lean
 from ...geometry.triangle_pairs import side
+from ..advancing.digital_tree import gather
+from ..advancing.journal import note_tried
+from ..advancing.rows import (
+    ALIVE,
+    CELLS_MADE,
+    VERTEX_COUNT,
+    Waiting,
+    entry_of,
+    in_turn,
+    is_current,
+    next_in_turn,
+    row_of_entry,
+)  # fmt: skip
 from ..volume.coarse import square_from_triangle
 from .classical_ideal import apart_by, from_place, ideal_in_space, roundness_of, wanted_at
-from .classical_open import FACES_ALIVE, POINTS_THERE, TETRAHEDRA_MADE, close_cell, enter_loose, has_space
+from .classical_open import close_cell, enter_loose, has_space
 from .classical_signs import (
     CELL_CROSSED,
     CELL_FREE,
@@ -49,7 +61,6 @@ from .classical_signs import (
     meets_cell,
     set_cell,
 )
-from .classical_tree import gather_in_space
 
 __all__ = [
     "CANDIDATES_TRIED",
@@ -57,7 +68,6 @@ __all__ = [
     "NO_CELL",
     "RECORDED",
     "STUCK_FACES",
-    "SpaceJournal",
     "SpaceWaiting",
     "march_in_space",
     "start_waiting_in_space",
@@ -69,6 +79,7 @@ SHORTEST_FIRST, OLDEST_FIRST = 1, 2  # orders; 0: the smallest wanted length fir
 ABOUT_BARYCENTER, ABOUT_X = range(2)
 # Places in the counts; the first four are also the reasons for a choice.
 WITH_X, WITH_NEAR, WITH_ASIDE, WITH_ANY, CANDIDATES_TRIED, RECORDED, STUCK_FACES, MARCH_COUNTS = range(8)
+STUCK_NOW, STUCK_AT = range(2)  # places in what is held
 OFF_VERTICES, OFF_FACES = 0.5, 0.22  # times the edges: no new point is nearer to a vertex or another face
 ASIDE_ROUND, LOW_X, ASIDE_REACH = 0.1, 0.5, 1.5  # where a face was put aside once
 PARTS_OF_OCTAVE = (
@@ -83,21 +94,9 @@ LATEST = 1e300  # X comes after all others
 class SpaceWaiting(NamedTuple):
     """The faces that wait, the candidates of a step, and stuck faces."""
 
-    keys: NDArray[np.float64]
-    faces: NDArray[np.int64]  # 2^32 times the number of the face, and its row
-    many: NDArray[np.int64]  # (3,) how many faces wait, how many are stuck, the vertices when one got stuck
-    stuck: NDArray[np.int64]
-    measures: NDArray[np.float64]
-    candidates: NDArray[np.int64]
-    rows: NDArray[np.int64]  # (3,) scratch
-
-
-class SpaceJournal(NamedTuple):
-    """The record: one row for each cell, in order, and the candidates that were tried."""
-
-    log: NDArray[np.int32]  # (., 2) the reason, and how many rows of ``tried`` there were before
-    numbers: NDArray[np.float64]  # (., 5) the ideal point, the wanted length, the radius of the search
-    tried: NDArray[np.int32]  # (., 2) the vertex (-1: the ideal point) and the verdict; (0, 2) if not wanted
+    turns: Waiting
+    stuck: NDArray[np.int64]  # entries of the queue
+    held: NDArray[np.int64]  # (2,) how many faces are stuck, and the vertices when one got stuck
 
 
 @inline
@@ -121,10 +120,7 @@ def rank_in_space(front, choices, row):
 @inline
 def wait_in_space(front, choices, waiting, row):
     """Put a face of the front into the queue."""
-    value = front.stamp[row] * 4294967296 + row
-    waiting.many[0] = push(
-        waiting.keys, waiting.faces, waiting.many[0], rank_in_space(front, choices, row), np.int64(value)
-    )
+    in_turn(waiting.turns, front.stamp, row, rank_in_space(front, choices, row))
 
 
 @lean
@@ -135,46 +131,37 @@ def start_waiting_in_space(front, choices, waiting):
             wait_in_space(front, choices, waiting, np.int64(row))
 
 
-@inline
-def is_there(front, value):
-    """Whether a face that waits is still at the front."""
-    return front.stamp[value % 4294967296] == value // 4294967296
-
-
 @lean
 def next_face(front, choices, waiting):
     """The row of the next face; -1 if there is none: all are stuck, or the front is empty."""
+    held = waiting.held
     while True:
-        while waiting.many[0] > 0:
-            value = waiting.faces[0]
-            waiting.many[0] = pop(waiting.keys, waiting.faces, waiting.many[0])
-            if is_there(front, value):
-                return np.int64(value % 4294967296)
-        if waiting.many[1] == 0 or waiting.many[2] == front.state[POINTS_THERE]:
-            return np.int64(-1)
-        waiting.many[2] = front.state[POINTS_THERE]  # new points: stuck faces are looked at again
-        for i in range(waiting.many[1]):
-            if is_there(front, waiting.stuck[i]):
-                wait_in_space(front, choices, waiting, np.int64(waiting.stuck[i] % 4294967296))
-        waiting.many[1] = 0
+        row, _ = next_in_turn(waiting.turns, front.stamp)
+        if row >= 0 or held[STUCK_NOW] == 0 or held[STUCK_AT] == front.state[VERTEX_COUNT]:
+            return row
+        held[STUCK_AT] = front.state[VERTEX_COUNT]  # new points: stuck faces are looked at again
+        for i in range(held[STUCK_NOW]):
+            if is_current(front.stamp, waiting.stuck[i]):
+                wait_in_space(front, choices, waiting, row_of_entry(waiting.stuck[i]))
+        held[STUCK_NOW] = 0
 
 
 @apart
 def fault_of_point(front, row, edge):
     """The verdict on the new point, the next unused vertex, ahead of a face; ``edge``: its ideal edges."""
-    xyz, n = front.xyz, front.state[POINTS_THERE]
+    xyz, n = front.xyz, front.state[VERTEX_COUNT]
     x, y, z, least = xyz[n, 0], xyz[n, 1], xyz[n, 2], OFF_VERTICES * edge
     if not (abs(x) <= 1.0 and abs(y) <= 1.0 and abs(z) <= 1.0):
         return CELL_CROSSED
     set_cell(front, row, n)
     found = front.vertices.found
     window = (x - least, y - least, z - least, x + least, y + least, z + least)
-    for i in range(gather_in_space(front.vertices, window)):
+    for i in range(gather(front.vertices, window)):
         if apart_by(xyz, np.int64(found[i]), n) < least:
             return POINT_TOO_NEAR
     found, corners, least = front.faces.found, front.corners, OFF_FACES * edge
     window = (x - least, y - least, z - least, x + least, y + least, z + least)
-    for i in range(gather_in_space(front.faces, window)):
+    for i in range(gather(front.faces, window)):
         other = np.int64(found[i])
         if other == row:
             continue
@@ -185,7 +172,7 @@ def fault_of_point(front, row, edge):
         if square_from_triangle(xyz[n], corners) < least * least:
             return POINT_TOO_NEAR
     found = front.threads.found
-    for i in range(gather_in_space(front.threads, window)):
+    for i in range(gather(front.threads, window)):
         for j in range(3):
             v = np.int64(front.ends[found[i], min(j, 1)])
             for k in range(3):
@@ -198,17 +185,16 @@ def fault_of_point(front, row, edge):
 @inline
 def note_candidate(journal, counts, v, verdict):
     """Record a candidate and what was found about it."""
-    if len(journal.tried) > 0:
-        journal.tried[counts[RECORDED], 0], journal.tried[counts[RECORDED], 1] = v, verdict
-        counts[RECORDED] += 1
+    note_tried(journal, counts[RECORDED], v, verdict)
+    counts[RECORDED] += 1
     counts[CANDIDATES_TRIED] += 1
 
 
 @lean
 def collect(front, choices, waiting, row, edge, may):
     """Put the vertices in the sphere, and the ideal point if it ``may`` be, into the heap: how many."""
-    xyz, n, found = front.xyz, front.state[POINTS_THERE], front.vertices.found
-    heap, what, count = waiting.measures, waiting.candidates, 0
+    xyz, n, found = front.xyz, front.state[VERTEX_COUNT], front.vertices.found
+    heap, what, count = waiting.turns.measures, waiting.turns.candidates, 0
     a, b, c = np.int64(front.corner[row, 0]), np.int64(front.corner[row, 1]), np.int64(front.corner[row, 2])
     x, y, z = xyz[n, 0], xyz[n, 1], xyz[n, 2]
     radius = choices.reach * edge
@@ -220,7 +206,7 @@ def collect(front, choices, waiting, row, edge, may):
     if front.level[row] > 0:
         radius *= ASIDE_REACH
     window = (x - radius, y - radius, z - radius, x + radius, y + radius, z + radius)
-    for i in range(gather_in_space(front.vertices, window)):
+    for i in range(gather(front.vertices, window)):
         v = np.int64(found[i])
         away = from_place(xyz, v, x, y, z)
         if v != a and v != b and v != c and away <= radius:
@@ -234,18 +220,20 @@ def collect(front, choices, waiting, row, edge, may):
 @lean
 def search_in_space(front, choices, waiting, journal, counts, row, edge):
     """The vertex that is taken among those within the radius of the search, -1 for none."""
-    n = front.state[POINTS_THERE]
+    n = front.state[VERTEX_COUNT]
     least = choices.roundness if front.level[row] == 0 else min(ASIDE_ROUND, choices.roundness)
     count = collect(front, choices, waiting, row, edge, n < choices.most)
     while count > 0:
-        v = waiting.candidates[0]
-        count = take(waiting.measures, waiting.candidates, count)
+        v = waiting.turns.candidates[0]
+        count = take(waiting.turns.measures, waiting.turns.candidates, count)
         if v == n:
             verdict = fault_of_point(front, row, edge)
         else:
             set_cell(front, row, v)
-            verdict = cell_fault(front)
-            if verdict == CELL_FREE and roundness_of(front.xyz, front.cell) < least:
+            flat = roundness_of(front.xyz, front.cell) < least
+            # Most candidates are too flat, and then the exact tests only serve the record.
+            verdict = CELL_FREE if flat and len(journal.tried) == 0 else cell_fault(front)
+            if verdict == CELL_FREE and flat:
                 verdict = NOT_ROUND_ENOUGH
         note_candidate(journal, counts, v if v != n else np.int64(-1), verdict)
         if verdict == CELL_FREE:
@@ -263,7 +251,7 @@ def is_blocked(front, row):
 
 
 @apart
-def gather_ring(front, waiting, row, window):
+def gather_ring(front, turns, row, window):
     """Put the vertices ahead of a face in a window that were not looked at into the heap; return how many.
 
     The roundest cell comes first. The window is a center, and the radii of an inner and an outer cube.
@@ -271,14 +259,14 @@ def gather_ring(front, waiting, row, window):
     xyz, vertices, cell, count = front.xyz, front.vertices, front.cell, 0
     x, y, z, before, radius = window
     everywhere = (x - radius, y - radius, z - radius, x + radius, y + radius, z + radius)
-    for i in range(gather_in_space(vertices, everywhere)):
+    for i in range(gather(vertices, everywhere)):
         v = np.int64(vertices.found[i])
         away = max(abs(xyz[v, 0] - x), abs(xyz[v, 1] - y), abs(xyz[v, 2] - z))
         if v < front.refused[row] or away <= before or away > radius:
             continue
         set_cell(front, row, v)
         if v != cell[0] and v != cell[1] and v != cell[2] and side(xyz, cell[0], cell[1], cell[2], v) > 0:
-            count = put(waiting.measures, waiting.candidates, count, -roundness_of(xyz, cell), v)
+            count = put(turns.measures, turns.candidates, count, -roundness_of(xyz, cell), v)
     return count
 
 
@@ -296,10 +284,10 @@ def search_everywhere(front, waiting, journal, counts, row):
     before, radius = -1.0, apart_by(xyz, a, b) + apart_by(xyz, b, c) + apart_by(xyz, c, a)
     one = two = np.int64(-1)  # faces that have been in the way are looked at first
     while True:
-        count = gather_ring(front, waiting, row, (x, y, z, before, radius))
+        count = gather_ring(front, waiting.turns, row, (x, y, z, before, radius))
         while count > 0:
-            v = waiting.candidates[0]
-            count = take(waiting.measures, waiting.candidates, count)
+            v = waiting.turns.candidates[0]
+            count = take(waiting.turns.measures, waiting.turns.candidates, count)
             set_cell(front, row, v)
             verdict = CELL_CROSSED
             if not (is_blocked(front, one) or is_blocked(front, two)):
@@ -317,12 +305,12 @@ def search_everywhere(front, waiting, journal, counts, row):
 @lean
 def choose_in_space(front, choices, waiting, journal, counts, row):
     """The vertex that is taken for a face, and the reason; -1 for none: the face must be put aside."""
-    n, level = front.state[POINTS_THERE], front.level[row]
+    n, level = front.state[VERTEX_COUNT], front.level[row]
     if level == MOST_LEVEL:
         return search_everywhere(front, waiting, journal, counts, row), WITH_ANY
     edge, h = ideal_in_space(front, choices, row, 1.0 if level == 0 else LOW_X)
     if len(journal.log) > 0:
-        k = front.state[TETRAHEDRA_MADE]
+        k = front.state[CELLS_MADE]
         for j in range(3):
             journal.numbers[k, j] = front.xyz[n, j]
         journal.numbers[k, 3] = h
@@ -344,11 +332,12 @@ def put_aside(front, choices, waiting, counts, row):
         front.level[row] += 1
         wait_in_space(front, choices, waiting, row)
         return
-    if waiting.many[1] == 0:
-        waiting.many[2] = front.state[POINTS_THERE]
-    front.refused[row] = front.state[POINTS_THERE]
-    waiting.stuck[waiting.many[1]] = front.stamp[row] * 4294967296 + row
-    waiting.many[1] += 1
+    held = waiting.held
+    if held[STUCK_NOW] == 0:
+        held[STUCK_AT] = front.state[VERTEX_COUNT]
+    front.refused[row] = front.state[VERTEX_COUNT]
+    waiting.stuck[held[STUCK_NOW]] = entry_of(front.stamp, row)
+    held[STUCK_NOW] += 1
     counts[STUCK_FACES] += 1
 
 
@@ -357,30 +346,29 @@ def march_in_space(front, choices, waiting, journal, counts, limit):
     """Look at up to ``limit`` faces; return how it ended: DONE, MORE, ROOM or NO_CELL."""
     state, wanted = front.state, len(journal.log) > 0
     for _ in range(limit):
-        room = state[POINTS_THERE] + 4 < len(waiting.candidates)
-        room = room and waiting.many[0] + waiting.many[1] + 8 < len(waiting.keys)
+        room = state[VERTEX_COUNT] + 4 < len(waiting.turns.candidates)
+        room = room and waiting.turns.many[0] + waiting.held[STUCK_NOW] + 8 < len(waiting.stuck)
         if wanted:
-            room = room and counts[RECORDED] + state[POINTS_THERE] + 8 < len(journal.tried)
-            room = room and state[TETRAHEDRA_MADE] + 2 < len(journal.log)
+            room = room and counts[RECORDED] + state[VERTEX_COUNT] + 8 < len(journal.tried)
+            room = room and state[CELLS_MADE] + 2 < len(journal.log)
         if not (room and has_space(front)):
             return ROOM
         row = next_face(front, choices, waiting)
         if row < 0:
-            return DONE if state[FACES_ALIVE] == 0 else NO_CELL
-        before, k, n = counts[RECORDED], state[TETRAHEDRA_MADE], state[POINTS_THERE]
+            return DONE if state[ALIVE] == 0 else NO_CELL
+        before, k, n = counts[RECORDED], state[CELLS_MADE], state[VERTEX_COUNT]
         v, reason = choose_in_space(front, choices, waiting, journal, counts, row)
         if v < 0:
             put_aside(front, choices, waiting, counts, row)
             counts[RECORDED] = before  # the record is that of the cells
             continue
         if v == n:
-            state[POINTS_THERE] += 1
+            state[VERTEX_COUNT] += 1
             enter_loose(front, n)
         counts[reason] += 1
         if wanted:
             journal.log[k, 0], journal.log[k, 1] = reason, before
-        close_cell(front, row, v, waiting.rows)
-        for j in range(3):
-            if waiting.rows[j] >= 0:
-                wait_in_space(front, choices, waiting, waiting.rows[j])
+        for new in close_cell(front, row, v):
+            if new >= 0:
+                wait_in_space(front, choices, waiting, new)
     return MORE

@@ -10,8 +10,9 @@ before e if it is inside the sphere of abce. The apex is the first visible one.
 **Ties.** Candidates on one sphere must not be chosen face by face as one likes: their cells would not fit
 together. They are ordered as if the height |x|^2 to which each vertex x is lifted were a little larger, much
 less for each vertex than for the next one. Nothing is lifted: the sign is that of the vertex with the largest
-number whose barycentric coordinate in the equation is not 0. O. Devillers, M. Teillaud, Perturbations for
-Delaunay and weighted Delaunay 3D triangulations, Computational Geometry 44 (2011) 160-168.
+number whose barycentric coordinate in the equation is not 0 (`given_points` numbers those of the body first,
+then the points along a Hilbert curve, so that neighbors are near in memory). O. Devillers, M. Teillaud,
+Perturbations for Delaunay and weighted Delaunay 3D triangulations, Computational Geometry 44 (2011) 160-168.
 
 **When the result is constrained Delaunay.** *Theorem.* If what is not meshed has a constrained Delaunay
 tetrahedralization (of these heights), the rule finds it. *Proof.* Let abcd be its cell on abc. Its interior
@@ -30,21 +31,21 @@ from math import inf, sqrt
 import numpy as np
 
 from ...base.codes import DONE, MORE, ROOM
-from ...base.heap import pop, push
 from ...base.jit import apart, inline, lean
 from ...geometry.triangle_pairs import side
 from ...predicates.kernels import insphere
-from .classical_open import FACES_ALIVE, TETRAHEDRA_MADE, close_cell, has_space
+from ..advancing.digital_tree import gather
+from ..advancing.rows import ALIVE, CELLS_MADE, in_turn, next_in_turn
+from .classical_open import close_cell, has_space
 from .classical_signs import CELL_FREE, cell_fault, set_cell
 from .classical_steps import NO_CELL
-from .classical_tree import gather_in_space
 
 __all__ = ["APEX_COUNTS", "HIDDEN_APEXES", "OTHERS_ON_SPHERE", "start_in_age", "wrap_in_space"]
 
 OTHERS_ON_SPHERE, HIDDEN_APEXES, APEX_COUNTS = range(3)
 FIRST_CENTER, CENTER_GROWTH, FARTHEST_CENTER = (
-    1.0,
-    8.0,
+    0.4,
+    3.0,
     4000.0,
 )  # of spheres that are searched; in circumradii
 
@@ -130,7 +131,7 @@ def gather_ahead(front, radius, k, candidates):
         z = place[0, 2] + k * radius * place[1, 2]
         r = radius * sqrt(1.0 + k * k) * (1.0 + 1e-9) + 1e-14
     count = 0
-    for i in range(gather_in_space(front.vertices, (x - r, y - r, z - r, x + r, y + r, z + r))):
+    for i in range(gather(front.vertices, (x - r, y - r, z - r, x + r, y + r, z + r))):
         v = np.int64(found[i])
         dx, dy, dz = xyz[v, 0] - x, xyz[v, 1] - y, xyz[v, 2] - z
         if (everything or dx * dx + dy * dy + dz * dz <= r * r) and (
@@ -182,6 +183,22 @@ def has_tie(front, v, candidates, count):
     return False
 
 
+@inline
+def next_center(front, radius, k, v):
+    """The center, in radii ahead, of the next sphere to be searched: that of the apex so far, and some more.
+
+    Without an apex so far, and if the sphere is lost to rounding, the centers grow.
+    """
+    wider = k * CENTER_GROWTH
+    if v < 0:
+        return wider
+    place, xyz = front.corners, front.xyz
+    dx, dy, dz = xyz[v, 0] - place[0, 0], xyz[v, 1] - place[0, 1], xyz[v, 2] - place[0, 2]
+    high = dx * place[1, 0] + dy * place[1, 1] + dz * place[1, 2]
+    own = (dx * dx + dy * dy + dz * dz - radius * radius) / (2.0 * radius * high) if high > 0.0 else inf
+    return 1.05 * own + 0.05 if k < own < FARTHEST_CENTER else wider
+
+
 @apart
 def apex_by_sphere(front, row, candidates, counts):
     """The apex of a face, -1 for none, and whether another one would do; small spheres are searched first."""
@@ -196,16 +213,13 @@ def apex_by_sphere(front, row, candidates, counts):
         if not k < FARTHEST_CENTER or (v >= 0 and is_within(front, radius, k, v)):
             return v, v >= 0 and has_tie(front, v, candidates, count)
         counts[HIDDEN_APEXES] = hidden  # each is counted once
-        k *= CENTER_GROWTH
+        k = next_center(front, radius, k, v)
 
 
 @inline
 def wait_in_age(front, waiting, row):
     """Put a face into the queue, the oldest first."""
-    value = front.stamp[row] * 4294967296 + row
-    waiting.many[0] = push(
-        waiting.keys, waiting.faces, waiting.many[0], float(front.stamp[row]), np.int64(value)
-    )
+    in_turn(waiting, front.stamp, row, float(front.stamp[row]))
 
 
 @lean
@@ -225,23 +239,17 @@ def wrap_in_space(front, waiting, ties, counts, limit):
     for _ in range(limit):
         if not has_space(front) or waiting.many[0] + 8 > len(waiting.keys):
             return ROOM
-        if front.state[TETRAHEDRA_MADE] >= len(ties):
+        if front.state[CELLS_MADE] >= len(ties):
             return ROOM
-        row = np.int64(-1)
-        while row < 0 and waiting.many[0] > 0:
-            value = waiting.faces[0]
-            waiting.many[0] = pop(waiting.keys, waiting.faces, waiting.many[0])
-            if front.stamp[value % 4294967296] == value // 4294967296:
-                row = np.int64(value % 4294967296)
+        row, _ = next_in_turn(waiting, front.stamp)
         if row < 0:
-            return DONE if front.state[FACES_ALIVE] == 0 else NO_CELL
+            return DONE if front.state[ALIVE] == 0 else NO_CELL
         v, tied = apex_by_sphere(front, row, waiting.candidates, counts)
         if v < 0:
             continue
-        ties[front.state[TETRAHEDRA_MADE]] = tied
+        ties[front.state[CELLS_MADE]] = tied
         counts[OTHERS_ON_SPHERE] += tied
-        close_cell(front, row, v, waiting.rows)
-        for j in range(3):
-            if waiting.rows[j] >= 0:
-                wait_in_age(front, waiting, waiting.rows[j])
+        for new in close_cell(front, row, v):
+            if new >= 0:
+                wait_in_age(front, waiting, new)
     return MORE

@@ -8,25 +8,27 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...base.arguments import as_flags, as_seed
-from ...base.arrays import as_points
+from ...base.arrays import as_points, frozen
 from ...base.codes import DONE, ROOM
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.insertion.engine import grown
 from ...domain.domain import Domain, as_domain
 from ...domain.space.cutting import Shell
+from ...geometry.ordering import hilbert_order
 from ...geometry.polygons import Polygons
 from ...geometry.triangle_pairs import points_on_edges, points_on_triangles
 from ...mesh.domain_mesh import DomainMesh
 from ...mesh.grouping import group_rows
-from ...predicates.batch import in_sphere, unscaled
+from ...predicates.batch import in_sphere
+from ..advancing.rows import CELLS_MADE, room_to_wait
 from ..volume.filling import filled
 from . import empty_sphere as k
 from .classical_mesh import mesh_of_body, quality_in_space
-from .classical_open import POINTS_THERE, TETRAHEDRA_MADE, SpaceFront, larger_space_front
+from .classical_open import SpaceFront, larger_space_front
 from .classical_rest import completed
-from .classical_run import SpaceRun, body_faces, scaled_front
-from .classical_steps import NO_CELL, SpaceWaiting
+from .classical_run import BodyFaces, SpaceRun, body_faces, scaled_front
+from .classical_steps import NO_CELL
 
 __all__ = ["given_points_in_space"]
 
@@ -60,17 +62,17 @@ def given_points_in_space(
         domain, then the points, in their order, then points that had to be added inside of rests. ``counts``:
         "cells" of the front; "cospherical" ones, whose sphere has another visible vertex on it; "hidden"
         candidates, which were in the sphere of a cell but not visible from its face; "outside" points, which
-        were left out; "stuck rests", "stuck faces", "filled", "added inside" and "taken back" as for
-        `classical_in_space`; "not Delaunay": faces inside, on no piece, across which a cell has a vertex in
-        its sphere. Where these are none and nothing was filled, the mesh is a constrained Delaunay
-        tetrahedralization. Other cells are in ``unrefined``, and ``complete`` is False. ``steps`` (with
-        ``history``): "face", "apex", "cospherical", one row for each cell of the front.
+        were left out (their rows are in ``left_out``); "stuck rests", "stuck faces", "filled", "added inside"
+        and "taken back" as for `classical_in_space`; "not Delaunay": faces inside, on no piece, across which
+        a cell has a vertex in its sphere. Where these are none and nothing was filled, the mesh is a
+        constrained Delaunay tetrahedralization. Other cells are in ``unrefined``, and ``complete`` is False.
+        ``steps`` (with ``history``): "face", "apex", "cospherical", one row for each cell of the front.
 
     Raises
     ------
     InputError
-        For points that are equal to one another or to a vertex of the domain, or lie on a piece (with the
-        first such row), and for exponents too wide for one scale.
+        For points that are equal to one another or to a vertex of the domain, or lie on a piece, by exact
+        signs (with the first such row), and for exponents too wide for one scale.
 
     Notes
     -----
@@ -89,17 +91,20 @@ def given_points_in_space(
         raise InputError(f"points must have shape (k, 3), not {rows.shape}; a size is a number or a function")
     whole = _with_points(domain, rows)
     body = body_faces(whole)
-    front, factor = scaled_front(body)
+    n = len(domain.points)
+    order = np.append(np.arange(n), n + hilbert_order(rows))
+    front, _ = scaled_front(_along_curve(body, order))
     with progress_bar(progress, " tetrahedra") as bar:
         front, ties, counts = _wrapped(front, bar)
-    run = _as_run(front, factor, counts)
+    run = _as_run(front, counts, body, order)
     found = completed(body, run, seed=seed)
     loose = np.arange(len(domain.points), len(whole.points))
     counts = run.counts | found.counts
-    counts["outside"] = len(loose) - int(np.isin(loose, body.needed).sum())
+    outside = frozen(np.flatnonzero(~np.isin(loose, body.needed)).astype(np.int32))
+    counts["outside"] = len(outside)
     if not found.whole:
         mesh = filled(whole, seed=seed, progress=progress)
-        mesh.counts = {**mesh.counts, **counts}
+        mesh.counts, mesh.left_out = {**mesh.counts, **counts}, outside
         return mesh
     steps = None
     if history and counts["taken back"] == 0:
@@ -107,7 +112,7 @@ def given_points_in_space(
     missing = {"missing segments": 0, "missing triangles": 0}
     account: dict[str, Any] = {"counts": counts | missing, "steps": steps}
     mesh = mesh_of_body(domain, None, found.points, found.cells, **account)
-    mesh.figures = quality_in_space(mesh)
+    mesh.figures, mesh.left_out = quality_in_space(mesh), outside
     return _judged(mesh, found.by_front)
 
 
@@ -133,7 +138,7 @@ def _with_points(domain: Domain, rows: NDArray[np.float64]) -> Domain:
         i, piece = min(on)
         raise InputError(
             f"points[{i - n}] = {every[i].tolist()} lies on {domain.name(piece)} of the domain: drop it, or "
-            "make it a vertex of the domain"
+            "make it a vertex of the domain that divides the piece"
         )
     facets, inner = Polygons.of(domain.facets), Polygons.of(domain.inner)
     return Domain(
@@ -141,48 +146,47 @@ def _with_points(domain: Domain, rows: NDArray[np.float64]) -> Domain:
     )
 
 
+def _along_curve(body: BodyFaces, order: NDArray[np.int64]) -> BodyFaces:
+    """The same front with its vertices in this order: neighbors along a curve are near in memory."""
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.arange(len(order))
+    return BodyFaces(
+        body.points[order], number[body.faces], body.part,
+        number[body.threads].astype(np.int32).reshape(-1, 2), np.sort(number[body.needed]),
+    )  # fmt: skip
+
+
 def _wrapped(front: SpaceFront, bar: Any) -> tuple[SpaceFront, NDArray[np.bool_], dict[str, int]]:
     """Cell by cell until no face has an apex: the front, which cells have a choice, and the counts."""
     counts, ties = np.zeros(k.APEX_COUNTS, dtype=np.int64), np.zeros(len(front.made), dtype=bool)
-    waiting = _waiting(front, None)
+    waiting = room_to_wait(None, len(front.corner), len(front.xyz))
     k.start_in_age(front, waiting)
     while True:
-        before = int(front.state[TETRAHEDRA_MADE])
+        before = int(front.state[CELLS_MADE])
         code = k.wrap_in_space(front, waiting, ties, counts, WRAPPED_A_CALL)
-        bar.update(int(front.state[TETRAHEDRA_MADE]) - before)
+        bar.update(int(front.state[CELLS_MADE]) - before)
         if code in (DONE, NO_CELL):
             break
         if code == ROOM:
             front = larger_space_front(front)
-            waiting, ties = _waiting(front, waiting), grown(ties, len(front.made))
-    m = int(front.state[TETRAHEDRA_MADE])
+            waiting = room_to_wait(waiting, len(front.corner), len(front.xyz))
+            ties = grown(ties, len(front.made))
+    m = int(front.state[CELLS_MADE])
     names = {
         "cells": m, "cospherical": int(counts[k.OTHERS_ON_SPHERE]), "hidden": int(counts[k.HIDDEN_APEXES]),
     }  # fmt: skip
     return front, ties[:m].copy(), names
 
 
-def _waiting(front: SpaceFront, old: SpaceWaiting | None) -> SpaceWaiting:
-    """The queue with room for the front; ``old`` is what was in it before."""
-    many = np.zeros(3, dtype=np.int64) if old is None else old.many
-    rows = max(2 * len(front.corner) + 64, 2 * int(many[0]) + 64)
-    none = np.empty(0, dtype=np.int64)
-    keys, faces = (np.empty(0), none) if old is None else (old.keys, old.faces)
-    return SpaceWaiting(
-        grown(keys, rows), grown(faces, rows), many, none, np.empty(0),
-        np.empty(len(front.xyz) + 16, dtype=np.int64), np.empty(3, dtype=np.int64),
-    )  # fmt: skip
-
-
-def _as_run(front: SpaceFront, factor: float, counts: dict[str, int]) -> SpaceRun:
-    """What the front has made, as the filling of rests wants it."""
+def _as_run(front: SpaceFront, counts: dict[str, int], body: BodyFaces, order: NDArray[np.int64]) -> SpaceRun:
+    """What the front has made, as the filling of rests wants it, with the numbers of the body."""
     alive = np.flatnonzero(front.stamp >= 0)
     alive = alive[np.argsort(front.stamp[alive])]
-    m, n = int(front.state[TETRAHEDRA_MADE]), int(front.state[POINTS_THERE])
-    return SpaceRun(
-        unscaled(front.xyz[:n], factor), front.made[:m].copy(), front.corner[alive].astype(np.int64),
-        front.region[alive].astype(np.int64), counts, None, False,
-    )  # fmt: skip
+    m = int(front.state[CELLS_MADE])
+    cells = front.made[:m].copy()
+    cells[:, :4] = order[cells[:, :4]]
+    left, part = order[front.corner[alive]], front.region[alive].astype(np.int64)
+    return SpaceRun(body.points, cells, left, part, counts, None, False)
 
 
 def _judged(mesh: DomainMesh, by_front: int) -> DomainMesh:

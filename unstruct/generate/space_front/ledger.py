@@ -1,8 +1,7 @@
 """What the front in space keeps: its rule, its record, its counts, its queue and its faces, compiled.
 
-As in the plane, cells wait in buckets (`generate.rebay.queue`), and are graded only when they are queued:
-most new cells are replaced before the front arrives. Helpers here are inlined, since a record with forty
-arrays is copied at each call: that took two thirds of the time. Book: 3.5.
+The queue is that of the plane, too (`generate.advancing.queue`). Helpers here are inlined, since a record
+with forty arrays is copied at each call: that took two thirds of the time. Book: 3.5.
 """
 
 from __future__ import annotations
@@ -19,6 +18,7 @@ from ...connect.spatial.numbered import Numbered
 from ...connect.spatial.opening import STAR_CELLS, STAR_WALLS, Star
 from ...connect.spatial.records import Solid
 from ...connect.spatial.star import commit_star
+from ..advancing.queue import LAST_LEVEL, crosses_front, leaves_queue, sent_last
 from ..rebay.queue import ACCEPTED, LEVEL, STATUS, WAITING, bucket_of, push, unlink
 from ..volume_points.limits import BodyLimits, wanted_in_space
 from ..volume_points.measures import cell_center
@@ -30,7 +30,6 @@ NEW_APEX, SMALL_CELL, EMPTY_SPHERE, NEAR_APEX, AT_DIHEDRAL, CLOSED_CELL, CENTER_
 # Further counts: cells set aside, and ideal points that were not possible; then cells and vertices so far.
 CELLS_ASIDE, APEX_OUTSIDE, APEX_ENCROACHES, APEX_NEAR, APEX_FLAT = range(8, 13)
 CELLS_DONE, VERTICES_USED, SPACE_COUNTS = 13, 14, 15
-LAST_BUCKET = 0  # of cells that are set aside: it is served when all others are empty
 FRONT_MARK = 2**30  # the mark of faces of the front that are on no facet
 
 CELL_ACCEPT = 1.1  # a cell ahead with R < CELL_ACCEPT f is accepted as it is
@@ -127,22 +126,15 @@ def grade_cell(march, t, out):
             measure = square / (rule.scale * h * h)
     buckets = len(march.gates) // 2
     level = bucket_of(measure, buckets - 1) if measure < 1e300 else buckets - 2
-    links[t, LEVEL] = LAST_BUCKET + 1 + level
+    links[t, LEVEL] = LAST_LEVEL + 1 + level
 
 
 @inline
 def enqueue_cell(march, t, out):
-    """Put an unfinished cell that has just got a face at the front in the queue.
-
-    If it waits already, it is taken from its place; it stays there if its grade cannot have changed.
-    """
-    links = march.links
-    waits = links[t, STATUS] >= 0
-    if not waits or links[t, LEVEL] == LAST_BUCKET or march.rule.order == SMALLEST_FACE:
-        if waits:
-            unlink(links, march.gates, t, WAITING)
+    """Put an unfinished cell that has just got a face at the front in the queue."""
+    if leaves_queue(march, t, march.rule.order == SMALLEST_FACE):
         grade_cell(march, t, out)
-        push(links, march.gates, march.turn, t, False)
+        push(march.links, march.gates, march.turn, t, False)
 
 
 @inline
@@ -165,21 +157,42 @@ def accept_cell(march, diary, counts, face, reason):
 @inline
 def face_enters(solid, face):
     """Let a face of an accepted cell enter the front, or leave it; whether it enters."""
-    mark, over = solid.mark, solid.across[face]
-    if mark[face] == FRONT_MARK:
-        mark[face] = mark[over] = -1
-    elif mark[face] < 0:
-        mark[face] = mark[over] = FRONT_MARK
-        return True
-    return False
+    return crosses_front(solid.mark, face, solid.across[face], FRONT_MARK)
 
 
 @inline
-def put_apex(march, counts, out, p, taken):
-    """Replace the cavity by the star of p; its cells at the front are queued, but for wall ``taken``.
+def accept_and_note(march, diary, counts, face, reason, many, depth):
+    """Accept the cell ahead of a face; its other faces enter the front, or leave it.
 
-    Returns the face of the new cell on that wall.
+    Cells behind those that enter are noted in ``later`` and put on the stack; returns how many there are in
+    each then.
     """
+    accept_cell(march, diary, counts, face, reason)
+    solid, stack = march.solid, march.star.cells
+    for k in range(4):
+        g = np.int64((face & ~3) + k)
+        if face_enters(solid, g):
+            march.later[many] = solid.across[g] >> 2
+            many += 1
+            if depth < len(stack):
+                stack[depth] = solid.across[g] >> 2
+                depth += 1
+    return many, depth
+
+
+@inline
+def next_to_close(march, depth):
+    """Take a cell from the stack: the cell if it is unfinished with three faces at the front, else -1."""
+    depth -= 1
+    t = np.int64(march.star.cells[depth])
+    if march.links[t, STATUS] == ACCEPTED or faces_at_front(march.solid.mark, t) < FACES_TO_CLOSE:
+        t = np.int64(-1)
+    return t, depth
+
+
+@inline
+def replace_cavity(march, counts, p, taken):
+    """Replace the cavity by the star of p, whose cells are in no queue; the face of its cell on ``taken``."""
     solid, star, links = march.solid, march.star, march.links
     for i in range(star.sizes[STAR_CELLS]):
         t = np.int64(star.cells[i])
@@ -190,11 +203,31 @@ def put_apex(march, counts, out, p, taken):
     counts[VERTICES_USED] += 1
     found = np.int64(-1)
     for i in range(star.sizes[STAR_WALLS]):
-        t, k = np.int64(star.fresh[i]), star.walls[i] & 3
+        t = np.int64(star.fresh[i])
         links[t, STATUS] = WAITING
         if star.walls[i] == taken:
-            found = 4 * t + k
-        elif solid.mark[4 * t + k] >= 0:
+            found = 4 * t + (star.walls[i] & 3)
+    return found
+
+
+@inline
+def cell_to_queue(march, i, taken):
+    """The cell of a new star on its wall i, if that is at the front and not ``taken``, else -1."""
+    star = march.star
+    t, k = np.int64(star.fresh[i]), star.walls[i] & 3
+    return t if star.walls[i] != taken and march.solid.mark[4 * t + k] >= 0 else np.int64(-1)
+
+
+@inline
+def put_apex(march, counts, out, p, taken):
+    """Replace the cavity by the star of p; its cells at the front are queued, but for wall ``taken``.
+
+    Returns the face of the new cell on that wall.
+    """
+    found = replace_cavity(march, counts, p, taken)
+    for i in range(march.star.sizes[STAR_WALLS]):
+        t = cell_to_queue(march, i, taken)
+        if t >= 0:
             enqueue_cell(march, t, out)
     return found
 
@@ -218,15 +251,7 @@ def shuffle_rows(state, rows):
 
 @inline
 def cell_aside(march, counts, t):
-    """Whether cell t, for none of whose faces an ideal point was possible, is now set aside.
-
-    At first it is, since the front may reach it from another side. At the end it is not a second time.
-    """
-    links = march.links
-    if links[t, LEVEL] == LAST_BUCKET:
-        return False
-    unlink(links, march.gates, t, WAITING)
-    links[t, LEVEL] = LAST_BUCKET
-    push(links, march.gates, march.turn, t, False)
-    counts[CELLS_ASIDE] += 1
-    return True
+    """Whether cell t, for none of whose faces an ideal point was possible, is now set aside."""
+    aside = sent_last(march, t, False)
+    counts[CELLS_ASIDE] += aside
+    return aside

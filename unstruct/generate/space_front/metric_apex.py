@@ -19,7 +19,7 @@ from ...base.jit import apart, inline
 from ...connect.insertion.engine import STAMP
 from ...connect.spatial.cavity import corner
 from ...connect.spatial.opening import FACES_OPEN, STAR_CELLS, STAR_FIRST, STAR_SEEDS, STAR_WALLS
-from ...connect.spatial.star import room_for_star, settle_star
+from ...connect.spatial.star import room_for_star, settle_star, unseen_across
 from ...sizing.space_metric_table import factor_in_space
 from ..volume_points.limits import REGULAR
 from ..volume_points.measures import cell_center, encroaches_face, face_center
@@ -118,10 +118,8 @@ def collect_metric_star(solid, star, p, m, local, out):
         t = np.int64(star.cells[head])
         head += 1
         for k in range(4):
-            if solid.mark[4 * t + k] >= 0 or solid.across[4 * t + k] < 0:
-                continue
-            u = np.int64(solid.across[4 * t + k] >> 2)
-            if solid.stamp[u] == inside or solid.stamp[u] == inside + 1:
+            u = unseen_across(solid, t, k, inside)
+            if u < 0:
                 continue
             if in_metric_ball(solid.xyz, solid.vertex, u, p, m, local, out):
                 star.cells[size] = u

@@ -13,15 +13,17 @@ from ...base.progress import progress_bar
 from ...domain.domain import Domain
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing.space_metric import SpaceMetric
+from ...sizing.space_metric_table import scaled_nodes
 from ..bodies.dividing import divided
 from ..bodies.laying import Filler
 from ..bodies.tetrahedralize import as_parts
 from ..volume.filling import filled
 from ..volume.improving import improved
 from ..volume.lattice import MOST_INNER
-from ..volume_points.run import recovered
 from . import ledger as book
+from .metric_count import expected_cells, refuse_too_many_cells
 from .metric_space_steps import MetricMarch, advance_in_space_metric, start_in_space_metric
+from .metric_start import recovered_in_metric
 from .run import SpaceFrontRun
 
 __all__ = ["metric_space_front"]
@@ -80,27 +82,32 @@ def metric_space_front(
                 f"{name} = {value!r} must be one of {', '.join(map(repr, choices))} with a metric in space"
             )
     most = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
+    table = metric.table(domain.bounds[0], domain.bounds[1])
+    expected = expected_cells(domain, table)
+    if budget is None or split_boundary is not False:
+        refuse_too_many_cells(expected, most)
     cut = None
     if split_boundary is not False:
         cut = divided(domain, metric, bool(split_boundary), MOST_INNER if budget is None else most, fill)
     body = domain if cut is None else cut.domain
-    cells, found = recovered(body, progress)
+    cells, found = recovered_in_metric(body, metric, progress)
     if not found.complete:
         mesh = filled(body, names=domain.name if cut is None else cut.name, progress=progress)
         return mesh if cut is None else as_parts(domain, cut, mesh)
     run = MetricSpaceRun(body, cells, found, order, placement, history)
     with progress_bar(progress, " points", desc="front") as bar:
-        run.march(metric.table(domain.bounds[0], domain.bounds[1], cells.factor), most, bar)
+        run.march(scaled_nodes(table, cells.factor), most, bar)
     made = run.result() if cut is None else as_parts(domain, cut, run.result())
+    wanted = {"tetrahedra expected": expected}
     if run.spent:
-        made.figures = made.figures | figures_of(made, metric)
+        made.figures = made.figures | wanted | figures_of(made, metric)
         return made
     mesh, figures = made, figures_of(made, metric)
     if finish:
         mesh = finished(made, metric, progress)
         figures = {f"{name} before": x for name, x in figures.items()}
         figures |= {f"{name} after": x for name, x in figures_of(mesh, metric).items()}
-    mesh.figures, mesh.steps = made.figures | figures, made.steps
+    mesh.figures, mesh.steps = made.figures | wanted | figures, made.steps
     long = measured(mesh, metric)[0].max(axis=1, initial=0.0) > LONG_IN_METRIC
     mesh.unrefined = np.flatnonzero(long).astype(np.int32)
     mesh.reasons = np.full(len(mesh.unrefined), "too large: no room for a point")

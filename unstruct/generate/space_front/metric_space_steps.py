@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 from ...base.codes import DONE, MORE, ROOM
 from ...base.jit import inline, kernel
 from ...connect.spatial.numbered import Numbered
-from ...connect.spatial.opening import STAR_CELLS, STAR_WALLS, Star
+from ...connect.spatial.opening import STAR_WALLS, Star
 from ...connect.spatial.records import Solid
-from ...connect.spatial.star import commit_star, in_star
+from ...connect.spatial.star import in_star
 from ...sizing.space_metric_table import SpaceMetricNodes
+from ..advancing.queue import LAST_LEVEL
 from ..rebay.queue import ACCEPTED, LEVEL, STATUS, WAITING, bucket_of, next_slot, push, unlink
 from ..volume_points.limits import REGULAR
 from ..volume_points.measures import cell_center
@@ -31,7 +32,7 @@ from .metric_measures import (
     square_of_cell,
     square_of_face,
 )  # fmt: skip
-from .steps import APEX_FITS, LACKS_SLOTS, NO_REASON, NOT_SEEN, write_row
+from .steps import APEX_FITS, LACKS_SLOTS, NO_REASON, NOT_SEEN, count_failed, write_row
 
 SMALL_SQUARE = (book.CELL_ACCEPT * REGULAR) ** 2  # of the circumradius of a cell that is small enough
 
@@ -69,7 +70,7 @@ def enqueue_in_metric(march, t, out):
     """Put an unfinished cell that has just got a face at the front in the queue, as `ledger.enqueue_cell`."""
     solid, links = march.solid, march.links
     waits = links[t, STATUS] >= 0
-    if not waits or links[t, LEVEL] == book.LAST_BUCKET:
+    if not waits or links[t, LEVEL] == LAST_LEVEL:
         if waits:
             unlink(links, march.gates, t, WAITING)
         measure = 1.0
@@ -77,29 +78,17 @@ def enqueue_in_metric(march, t, out):
             measure = square_of_cell(solid.xyz, solid.vertex, t, march.table, march.local, out) / SMALL_SQUARE
         buckets = len(march.gates) // 2
         level = bucket_of(measure, buckets - 1) if measure < 1e300 else buckets - 2
-        links[t, LEVEL] = book.LAST_BUCKET + 1 + level
+        links[t, LEVEL] = LAST_LEVEL + 1 + level
         push(links, march.gates, march.turn, t, False)
 
 
 @inline
 def put_metric_apex(march, counts, out, p, taken):
     """Replace the cavity by the star of p; see `ledger.put_apex`."""
-    solid, star, links = march.solid, march.star, march.links
-    for i in range(star.sizes[STAR_CELLS]):
-        t = np.int64(star.cells[i])
-        if links[t, STATUS] >= 0:
-            unlink(links, march.gates, t, WAITING)
-        links[t, STATUS] = ACCEPTED
-    commit_star(solid, star, p)
-    counts[book.VERTICES_USED] += 1
-    found = np.int64(-1)
-    for i in range(star.sizes[STAR_WALLS]):
-        links[star.fresh[i], STATUS] = WAITING
-    for i in range(star.sizes[STAR_WALLS]):
-        t, k = np.int64(star.fresh[i]), star.walls[i] & 3
-        if star.walls[i] == taken:
-            found = 4 * t + k
-        elif solid.mark[4 * t + k] >= 0:
+    found = book.replace_cavity(march, counts, p, taken)
+    for i in range(march.star.sizes[STAR_WALLS]):
+        t = book.cell_to_queue(march, i, taken)
+        if t >= 0:
             enqueue_in_metric(march, t, out)
     return found
 
@@ -107,28 +96,19 @@ def put_metric_apex(march, counts, out, p, taken):
 @inline
 def end_metric_step(march, diary, counts, face, reason, out):
     """Accept the cell ahead of a face, then small cells with three or four faces at the front."""
-    solid, stack, later, depth, many = march.solid, march.star.cells, march.later, 0, 0
+    solid, depth, many = march.solid, 0, 0
     while face >= 0:
-        book.accept_cell(march, diary, counts, face, reason)
-        for k in range(4):
-            g = np.int64((face & ~3) + k)
-            if book.face_enters(solid, g):
-                later[many] = solid.across[g] >> 2
-                many += 1
-                if depth < len(stack):
-                    stack[depth] = solid.across[g] >> 2
-                    depth += 1
+        many, depth = book.accept_and_note(march, diary, counts, face, reason, many, depth)
         face = np.int64(-1)
         while depth > 0 and face < 0:
-            depth -= 1
-            t = np.int64(stack[depth])
-            if march.links[t, STATUS] == ACCEPTED or book.faces_at_front(solid.mark, t) < book.FACES_TO_CLOSE:
-                continue
-            if square_of_cell(solid.xyz, solid.vertex, t, march.table, march.local, out) < SMALL_SQUARE:
-                face, reason = metric_face(march, t, 0), book.CLOSED_CELL
+            t, depth = book.next_to_close(march, depth)
+            if t >= 0:
+                square = square_of_cell(solid.xyz, solid.vertex, t, march.table, march.local, out)
+                if square < SMALL_SQUARE:
+                    face, reason = metric_face(march, t, 0), book.CLOSED_CELL
     for i in range(many):
-        if march.links[later[i], STATUS] != ACCEPTED:
-            enqueue_in_metric(march, np.int64(later[i]), out)
+        if march.links[march.later[i], STATUS] != ACCEPTED:
+            enqueue_in_metric(march, np.int64(march.later[i]), out)
 
 
 @inline
@@ -196,8 +176,7 @@ def advance_in_space_metric(march, diary, counts, out, limit):
             near, reason, row = np.int64(-1), book.FORCED_CELL, np.int64(-1)
             if outcome == APEX_FITS:
                 face, reason, row = put_metric_apex(march, counts, out, p, face), book.CENTER_APEX, p
-        for outcome in range(NOT_SEEN, LACKS_SLOTS):
-            counts[book.CELLS_ASIDE + outcome] += failed >> 8 * outcome & 255
+        count_failed(counts, failed)
         if reason != NO_REASON:
             write_row(diary, counts[book.CELLS_DONE], xyz, row, side, square, near)
             end_metric_step(march, diary, counts, face, reason, out)

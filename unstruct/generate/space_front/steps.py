@@ -180,29 +180,26 @@ def end_step(march, diary, counts, face, reason, out):
 
     Cells that the front has reached are queued at the end, in the order in which it has reached them.
     """
-    solid, stack, later, depth, many = march.solid, march.star.cells, march.later, 0, 0
+    solid, depth, many = march.solid, 0, 0
     while face >= 0:
-        book.accept_cell(march, diary, counts, face, reason)
-        for k in range(4):
-            g = np.int64((face & ~3) + k)
-            if book.face_enters(solid, g):
-                later[many] = solid.across[g] >> 2
-                many += 1
-                if depth < len(stack):
-                    stack[depth] = solid.across[g] >> 2
-                    depth += 1
+        many, depth = book.accept_and_note(march, diary, counts, face, reason, many, depth)
         face = np.int64(-1)
         while depth > 0 and face < 0:
-            depth -= 1
-            t = np.int64(stack[depth])
-            if march.links[t, STATUS] == ACCEPTED or book.faces_at_front(solid.mark, t) < book.FACES_TO_CLOSE:
-                continue
-            g = book.front_face(solid.xyz, solid.vertex, solid.mark, t, 0)
-            if is_small(march, g, out):
-                face, reason = g, book.CLOSED_CELL
+            t, depth = book.next_to_close(march, depth)
+            if t >= 0:
+                g = book.front_face(solid.xyz, solid.vertex, solid.mark, t, 0)
+                if is_small(march, g, out):
+                    face, reason = g, book.CLOSED_CELL
     for i in range(many):
-        if march.links[later[i], STATUS] != ACCEPTED:
-            book.enqueue_cell(march, np.int64(later[i]), out)
+        if march.links[march.later[i], STATUS] != ACCEPTED:
+            book.enqueue_cell(march, np.int64(march.later[i]), out)
+
+
+@inline
+def count_failed(counts, failed):
+    """Count the outcomes of a step, eight bits of ``failed`` each."""
+    for outcome in range(NOT_SEEN, LACKS_SLOTS):
+        counts[book.CELLS_ASIDE + outcome] += failed >> 8 * outcome & 255
 
 
 @inline
@@ -263,8 +260,7 @@ def advance_in_space(march, diary, counts, ask, answer, out, limit):
             near, reason, row = np.int64(-1), book.FORCED_CELL, np.int64(-1)
             if outcome == APEX_FITS:
                 face, reason, row = book.put_apex(march, counts, out, p, face), book.CENTER_APEX, p
-        for outcome in range(NOT_SEEN, LACKS_SLOTS):
-            counts[book.CELLS_ASIDE + outcome] += failed >> 8 * outcome & 255
+        count_failed(counts, failed)
         if reason != NO_REASON:
             write_row(diary, counts[book.CELLS_DONE], xyz, row, h, square, near)
             end_step(march, diary, counts, face, reason, out)

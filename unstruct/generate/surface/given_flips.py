@@ -5,6 +5,10 @@ other, if the surface stays where it is up to a tolerance, if both new triangles
 there is no such edge yet, and if the sum of the cotangents of the angles of the two triangles becomes less.
 The last makes it end: the sum over all triangles is a number that decreases, and there are finitely many
 triangulations of finitely many vertices.
+
+Needles that fan out from a point, as CAD systems write disks, are Delaunay, too: all their corners may lie on
+a circle. For searches in a tree of boxes they are bad, since the boxes overlap. `flip_needles` flips edges
+for shorter ones; it ends, because the sum of all lengths decreases.
 """
 
 from __future__ import annotations
@@ -19,9 +23,11 @@ from ...connect.surface.gluing import glued, next_side, previous_side
 from ...connect.surface.lengths import four_areas
 from ...connect.surface.sphere_signs import filter_ball
 
-__all__ = ["Flipped", "flip_given"]
+__all__ = ["Flipped", "flip_given", "flip_needles"]
 
 FACING_FLIP = 1e-9  # the least cosine between new triangles and the mean of the old ones
+SHORTER_FLIP = 0.999  # an edge is shorter if it is this part of the other's length
+SOUND_NEEDLE = 1e-6  # the least height of triangles that flips for shorter edges make, in longest sides
 
 
 class Given(NamedTuple):
@@ -144,9 +150,33 @@ def _wanted(given, h, tolerance):
     return not (_moves(xyz, a, b, c, d, tolerance) or _joined(given, previous_side(h), d))
 
 
+@inline
+def _is_sound(xyz, a, b, c):
+    one, two, three = _distance(xyz, b, c), _distance(xyz, c, a), _distance(xyz, a, b)
+    longest = max(one, max(two, three))
+    return four_areas(one, two, three) >= 2.0 * SOUND_NEEDLE * longest * longest
+
+
+@lean
+def _wanted_shorter(given, h, tolerance):
+    """Whether an edge is to be flipped for a shorter one."""
+    xyz, vertex = given.xyz, given.vertex
+    g = given.twin[h]
+    if g < 0 or given.kept[h]:
+        return False
+    a, b, c, d = vertex[h], vertex[g], vertex[previous_side(h)], vertex[previous_side(g)]
+    if c == d or given.pinched[c] or given.pinched[d]:
+        return False
+    if not _distance(xyz, c, d) < SHORTER_FLIP * _distance(xyz, a, b):
+        return False
+    if not (_is_sound(xyz, a, d, c) and _is_sound(xyz, b, c, d)):
+        return False
+    return not (_moves(xyz, a, b, c, d, tolerance) or _joined(given, previous_side(h), d))
+
+
 @kernel
-def _run(given, tolerance, queued, stack):
-    """Flip until no edge is to be flipped; how many flips."""
+def _run(given, tolerance, shorter, queued, stack):
+    """Flip until no edge is to be flipped, for one reason or for shorter edges; how many flips."""
     top = count = 0
     for h in range(given.twin.shape[0]):
         if given.twin[h] > h:
@@ -157,7 +187,10 @@ def _run(given, tolerance, queued, stack):
         top -= 1
         h = stack[top]
         queued[h] = False
-        if not _wanted(given, h, tolerance):
+        if shorter:
+            if not _wanted_shorter(given, h, tolerance):
+                continue
+        elif not _wanted(given, h, tolerance):
             continue
         g = given.twin[h]
         _flip(given, h)
@@ -189,6 +222,23 @@ def flip_given(
     tolerance : float
         How far the surface may move at a flip: the distance of the two diagonals.
     """
+    return _flipped(xyz, rows, kept, tolerance, False)
+
+
+def flip_needles(
+    xyz: NDArray[np.float64], rows: NDArray[np.int32], kept: NDArray[np.int64], tolerance: float
+) -> Flipped:
+    """The same for shorter edges, whatever the spheres."""
+    return _flipped(xyz, rows, kept, tolerance, True)
+
+
+def _flipped(
+    xyz: NDArray[np.float64],
+    rows: NDArray[np.int32],
+    kept: NDArray[np.int64],
+    tolerance: float,
+    shorter: bool,
+) -> Flipped:
     gluing = glued(rows, len(xyz))
     flat, after = rows.ravel().astype(np.int64), rows[:, [1, 2, 0]].ravel().astype(np.int64)
     keys = np.minimum(flat, after) * len(xyz) + np.maximum(flat, after)
@@ -199,5 +249,5 @@ def flip_given(
     )
     pinched = np.bincount(gluing.origin, minlength=len(xyz)) > 1
     given = Given(np.ascontiguousarray(xyz), flat.astype(np.int32), gluing.twin.copy(), stay, pinched)
-    count = _run(given, tolerance, np.zeros(len(flat), np.bool_), np.empty(len(flat), np.int64))
+    count = _run(given, tolerance, shorter, np.zeros(len(flat), np.bool_), np.empty(len(flat), np.int64))
     return Flipped(given.vertex.reshape(-1, 3), int(count))

@@ -9,6 +9,12 @@ from the new vertex back to itself goes around a vertex at the distance R or mor
 pi, it has the length 2 R sin(w / 2) at least, which is R for w = pi / 3. So no edge is ever shorter than s,
 and the surface has room for finitely many discs of radius s / 2. ∎
 
+*What is proved, and where.* The theorem is for intrinsic triangles, of closed surfaces without kept edges, of
+any genus, that have no sharp cone; it says nothing of the straight triangles in space, whose angles differ
+where the surface bends, nor of rounding. The argument is Chew's for the plane, with Sharp, Soliman and
+Crane's intrinsic circumcenters. Tests measure it on thin frames of genus 1 to 3: no angle below 30 degrees,
+no edge shorter than s. Triangles with a corner of less than pi / 3 opposite their shortest side are left.
+
 With boundaries and kept edges, midpoints of these are put as J. Ruppert does in the plane; the bound is then
 20.7 degrees in theory, if kept edges meet at 60 degrees or more. At smaller angles nothing shorter than half
 of s is divided.
@@ -31,6 +37,7 @@ from ...connect.surface.tracing import Line
 from ...domain.given_surface import GivenSurface
 from ...mesh.mesh import Mesh
 from .intrinsic_steps import Bounds, Queues, halve_sides, refine_triangles, worst_triangles
+from .own_crossings import OwnCrossings
 
 __all__ = ["IntrinsicRun"]
 
@@ -71,6 +78,7 @@ class IntrinsicRun:
         self.found = IntrinsicTriangulation(Mesh(support.points, rows), support.features)
         self.found.delaunay()
         self.sine = 2.0 * float(sine(np.radians(min_angle)))
+        self.own = OwnCrossings(support)
         self.repaired = 0
         self.out_of_budget = False
         self.floor = 0.0

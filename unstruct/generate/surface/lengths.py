@@ -37,7 +37,7 @@ from .shapes import (
     wanted_squared,
 )
 
-__all__ = ["collapse_checked", "collapse_pass", "split_checked", "split_pass"]
+__all__ = ["LONG_SHARE", "collapse_checked", "collapse_pass", "split_checked", "split_pass"]
 
 LONG_SHARE, SHORT_SHARE = 4.0 / 3.0, 4.0 / 5.0
 WORST_COLLAPSED = 0.03  # sharpness of ten degrees: triangles around a collapsed edge may become as sharp

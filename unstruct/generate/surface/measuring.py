@@ -4,12 +4,23 @@ from __future__ import annotations
 
 from ...base.jit import inline, kernel, lean
 from ...connect.insertion.halfedges import UNUSED, next_edge, prev_edge
+from ...connect.surface.halfedges import SMOOTH
 from .shapes import add_normal, distance_squared, middle_distance, nearest_facing, sharpness
 
-__all__ = ["FLAT_TRIANGLE", "INVERTED", "TOO_FAR_OFF", "faults_pass", "grade_pass", "lower_pass"]
+__all__ = [
+    "FLAT_TRIANGLE",
+    "INVERTED",
+    "TOO_FAR_OFF",
+    "crease_pass",
+    "faults_pass",
+    "grade_pass",
+    "lower_pass",
+]
 
 FLAT_TRIANGLE, INVERTED, TOO_FAR_OFF = 1, 2, 4  # what may be wrong with a triangle
 FLAT_SHARPNESS = 1e-16  # sharpness of a triangle that counts as flat: 6e-7 degrees
+NEAR_CREASES = 0.3  # of the size: a strip between creases that is narrower has sharp triangles
+ACROSS_STRIP = 0.4  # the width of a strip in sizes to which these are lowered: angles of 38 degrees
 AIM = 0.6  # sizes are lowered so that the distance is this part of what is allowed
 
 
@@ -63,6 +74,34 @@ def lower_pass(work, start, stop, bound):
         _, square = _center_distance(work, t, work.zero, AIM * AIM)
         for k in range(3):
             _lower(s, s.vertex[3 * t + k], total / 3.0, square, bound)
+    return 0
+
+
+@kernel
+def crease_pass(work, start, stop, bound, least):
+    """Lower bounds of sizes where two creases are near each other, if no less than a part of the size helps.
+
+    There are triangles between them then, with one side along a crease and the other corner on another one.
+    """
+    s, ref = work.sheets, work.ref
+    for t in range(start, stop):
+        a, b, c = s.vertex[3 * t], s.vertex[3 * t + 1], s.vertex[3 * t + 2]
+        if a == UNUSED or s.kind[a] == SMOOTH or s.kind[b] == SMOOTH or s.kind[c] == SMOOTH:
+            continue
+        side, sides = -1, 0
+        for e in range(3 * t, 3 * t + 3):
+            if s.curve[e] >= 0:
+                side, sides = e, sides + 1
+        if sides != 1:
+            continue
+        ref[0] = ref[1] = ref[2] = 0.0
+        add_normal(s.xyz, a, b, c, ref)
+        square = distance_squared(s.xyz, s.vertex[next_edge(side)], s.vertex[prev_edge(side)])
+        width = ((ref[0] * ref[0] + ref[1] * ref[1] + ref[2] * ref[2]) / square) ** 0.5
+        size = min(s.size[a], min(s.size[b], s.size[c]))
+        if width < NEAR_CREASES * size and width >= least * ACROSS_STRIP * size:
+            for v in (a, b, c):
+                bound[v] = min(bound[v], width / ACROSS_STRIP)
     return 0
 
 

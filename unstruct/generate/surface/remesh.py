@@ -11,6 +11,7 @@ from ...base.arguments import DEFAULT_BUDGET, as_count, as_flag, positive
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.surface.complex import SurfaceComplex, Taken
+from ...connect.surface.halfedges import SMOOTH
 from ...domain.domain import Domain
 from ...domain.given_surface import USUAL_SHARP, GivenSurface, directed, given_surface
 from ...geometry.edge_vectors import lengths
@@ -22,6 +23,8 @@ from ...sizing.field import SizeField, as_size
 from .cleaning import Cleaned, cleaned
 from .distances import curve_deviation
 from .measuring import FLAT_TRIANGLE, INVERTED, TOO_FAR_OFF
+from .needles import without_needles
+from .own_crossings import OWN_CROSSING
 from .run import ALLOWED, KEPT_TO, REMESH_ROUNDS, RemeshRun
 from .seams import divide_seams
 from .shapes import COLLAPSES, FLIPS_DONE, MOVES_DONE, SPLITS_DONE, TOO_FAR, TURNED
@@ -36,6 +39,8 @@ FAULT_REASONS = {
 }
 BESIDE_SURFACE = "a vertex is beside the surface, as a triangle would turn over: give a smaller size there"
 CROSSES_ANOTHER = "crosses another triangle: give a smaller size there"
+NEAR_CREASE = "sharp: creases are too near each other for the size: give a smaller size there"
+SHARP_BETWEEN = 10.0  # degrees below which an angle between creases is told
 NO_BUDGET = "larger than the size: the budget of vertices is used up"
 
 
@@ -83,11 +88,14 @@ def remesh(
         Triangles in space, turned as the given ones (those of a body outward). ``origin`` has the number of
         the given point for vertices that are in its place: corners of features are, always. ``markers`` are
         carried on. Triangles that are too far from the given surface, turned against it, flat, or that cross
-        others or miss the size are in ``unrefined``, with ``reasons``. ``counts``: "splits", "collapses",
+        others or miss the size, and those of less than ten degrees between creases, are in ``unrefined``,
+        with ``reasons``; crossings of the given surface itself have a reason of their own, and nothing is
+        refined there. ``counts``: "splits", "collapses",
         "flips", "moves", how many changes were "refused: too far" and "refused: turned over", "lowered" (the
         vertices where the size had to be lowered), "feature edges", and what was wrong with the given
         triangles ("equal points", "degenerate triangles", "repeated triangles", "turned triangles", "seams":
-        edges of more than two triangles). ``figures``: "deviation" (of all distances, both ways, the
+        edges of more than two triangles; "own crossings": pairs of given triangles that cross, where the mesh
+        does, too). ``figures``: "deviation" (of all distances, both ways, the
         largest), "feature deviation", "least angle" in degrees, "least size" (the smallest part of the
         wanted size to which it was lowered), and "sharp" as given, 0 for None.
 
@@ -103,8 +111,11 @@ def remesh(
     surface, and flips toward less sharp triangles; the sharpest are then improved one by one, up to 40
     degrees where possible. No operation turns a triangle over or changes the topology: each keeps the link
     condition. A collapse or flip that would leave the surface too far is refused. In the end triangles that
-    are too far are split, and an exact test finds those that cross others, where the size is halved. Names of
-    triangles do not move. Edges of more than two triangles are divided first and then fixed.
+    are too far are split, and an exact test finds those that cross others, where the size is halved, unless
+    the given surface crosses itself there. Between creases that are nearer to each other than 0.3 of the size
+    it is lowered to their distance, if an eighth of it suffices. Names of triangles do not move. Edges of
+    more than two triangles are divided first and fixed; they are halved where the size is lowered. Vertices
+    stay on their part of the surface, and with the normals of their sheet where a part crosses itself.
 
     Distances are measured at samples: they are lower bounds. O(n) in practice for n triangles, given and new.
     Sources: M. Botsch, L. Kobbelt, *A remeshing approach to multiresolution modeling* (SGP 2004); H. Hoppe et
@@ -120,7 +131,7 @@ def remesh(
     clean = cleaned(surface)
     if onto is not None:
         clean = clean._replace(surface=_true(clean.surface, onto, field, within, most))
-    given = directed(given_surface(clean.surface, sharp))
+    given = without_needles(directed(given_surface(clean.surface, sharp)))
     run, group, seams = _begun(given, field, within, most)
     with progress_bar(progress, " rounds", total=REMESH_ROUNDS) as bar:
         run.run(bar)
@@ -178,7 +189,7 @@ def _account(
     given: GivenSurface,
     clean: Cleaned,
     run: RemeshRun,
-    crossing: NDArray[np.int64],
+    crossing: tuple[NDArray[np.int64], NDArray[np.int64]],
     group: NDArray[np.int64],
     seams: int,
     sharp: float | None,
@@ -195,16 +206,21 @@ def _account(
     if run.deviation is not None:
         fault = fault & ~TOO_FAR_OFF | run.farther(1.0 / KEPT_TO)
     fault = fault[taken.slots]
-    crossed = np.isin(taken.slots, crossing)
+    crossed, own = (np.isin(taken.slots, slots) for slots in crossing)
     sides = points[taken.triangles] - points[np.roll(taken.triangles, 1, axis=1)]
     large = lengths(sides).max(axis=1) > MUCH_LONGER * run.size(points[taken.triangles].mean(axis=1))
     why: dict[int, str] = {}
     for i in np.flatnonzero(large).tolist():
         why[i] = NO_BUDGET if run.short else MISSED_SIZE
+    angle = mesh.quality("min_angle")
+    corners = 3 * taken.slots[:, None] + np.arange(3)
+    between = (s.kind[s.vertex[corners]] != SMOOTH).all(axis=1) & ((s.curve[corners] >= 0).sum(axis=1) < 2)
+    why |= dict.fromkeys(np.flatnonzero(between & (angle < SHARP_BETWEEN)).tolist(), NEAR_CREASE)
     for kind, text in FAULT_REASONS.items():
         why |= dict.fromkeys(np.flatnonzero(fault & kind).tolist(), text)
     off = run.off[taken.vertices][taken.triangles].any(axis=1)
     why |= dict.fromkeys(np.flatnonzero(off).tolist(), BESIDE_SURFACE)
+    why |= dict.fromkeys(np.flatnonzero(own).tolist(), OWN_CROSSING)
     why |= dict.fromkeys(np.flatnonzero(crossed).tolist(), CROSSES_ANOTHER)
     cells = sorted(why)
     names = ("splits", "collapses", "flips", "moves", "refused: too far", "refused: turned over")
@@ -214,11 +230,12 @@ def _account(
         "lowered": int((lowered < 1.0).sum()),
         "feature edges": len(taken.edges),
         "seams": seams,
+        "own crossings": run.own.count,
     }
     figures = {
         "deviation": max(support.deviation(points, taken.triangles)),
         "feature deviation": curve_deviation(support, taken),
-        "least angle": float(mesh.quality("min_angle").min()),
+        "least angle": float(angle.min()),
         "least size": float(lowered.min()),
         "sharp": 0.0 if sharp is None else sharp,
     }

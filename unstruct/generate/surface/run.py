@@ -7,18 +7,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...connect.insertion.halfedges import UNUSED
 from ...connect.surface.complex import SurfaceComplex
-from ...connect.surface.halfedges import SURFACE_SLOTS, SURFACE_VERTICES
+from ...connect.surface.halfedges import SEAM_CURVES, SURFACE_SLOTS, SURFACE_VERTICES
+from ...geometry.edge_vectors import lengths
 from ...geometry.embedded import meeting_pairs
 from ...geometry.support import Support
-from ...geometry.support_walk import WAITING_BOXES
+from ...geometry.support_walk import WAITING_BOXES, strictly
 from ...geometry.triangle_tree import TriangleTree
 from ...sizing.field import SizeField
 from .faceting import faceting
 from .flips import count_degrees, flip_pass
-from .lengths import collapse_pass, split_pass
-from .measuring import FLAT_TRIANGLE, TOO_FAR_OFF, faults_pass, grade_pass, lower_pass
+from .lengths import LONG_SHARE, collapse_pass, split_pass
+from .measuring import FLAT_TRIANGLE, TOO_FAR_OFF, crease_pass, faults_pass, grade_pass, lower_pass
 from .moves import move_pass, put_pass, settle_pass
+from .own_crossings import OwnCrossings
+from .seams import follow_sizes
 from .shapes import COLLAPSES, FLIPS_DONE, SPLITS_DONE, RemeshWork
 from .sharpest import mend_pass, sharpest_pass
 
@@ -28,7 +32,7 @@ Array = NDArray[np.float64]
 ALLOWED = 0.01  # the distance from the given surface that is allowed, in sizes, if nothing is said
 MOST_ALLOWED = 0.15  # the same where the given triangles themselves are coarser than the size
 COARSE_TIMES = 1.7  # how many times as far as the given triangles are off a smooth surface is allowed
-KEPT_TO = 0.9  # the part of it that is kept to at the places that are looked at
+KEPT_TO = 0.85  # the part of it that is kept to at the places that are looked at
 REMESH_ROUNDS = 6  # of splits, collapses, flips and moves; more, if the size had to be lowered
 MEASURED_ROUNDS = (0, 1, 3)  # rounds after which distances are measured
 FLIP_SWEEPS = 3
@@ -41,6 +45,8 @@ LEAST_TARGET = 35.0  # the same where triangles were split because they were too
 LOOSE = 2.25  # the slack of rounds: the end mends what is left too far
 SETTLED = 0.002  # changes per vertex in a round after which no other follows
 MENDS = 5
+NEAR_CROSSING = 4.0  # sizes from crossings in which triangles are looked at again
+SEPARATIONS = 3  # times that sizes are lowered where creases are near each other
 UNTANGLED = 4  # times that sizes are halved where triangles cross
 NOT_NEARER = 2.0**-50  # in scaled coordinates, up to 1: what is allowed at least, for vertices are rounded
 PLACES_AT_ONCE = 1 << 17  # places that a kernel looks at in one call
@@ -65,7 +71,7 @@ class RemeshRun:
         self, support: Support, complex: SurfaceComplex, size: SizeField, deviation: float | None, budget: int
     ):
         self.support, self.complex, self.size, self.budget = support, complex, size, budget
-        self.deviation = deviation
+        self.deviation, self.held = deviation, strictly(support.held)
         self.counts = np.zeros(6, dtype=np.int64)
         self.x, self.place = np.zeros((4, 3)), np.zeros(6)
         self.stack = np.empty(WAITING_BOXES, dtype=np.int64)
@@ -73,6 +79,8 @@ class RemeshRun:
         self.faceting = faceting(support)
         self.short = False  # whether the budget did not suffice
         self.off = np.zeros(0, dtype=np.bool_)  # vertices that could not be moved onto the surface
+        self.own = OwnCrossings(support)
+        self.seams = bool((complex.sheets.curve >= SEAM_CURVES).any())
         self.refresh()
 
     @property
@@ -81,7 +89,7 @@ class RemeshRun:
         sheets = self.complex.sheets
         return RemeshWork(
             sheets,
-            self.support.held,
+            self.held,
             self.x,
             np.zeros(3),
             np.zeros(3),
@@ -114,6 +122,8 @@ class RemeshRun:
 
     def split(self) -> None:
         """Split edges until all are short enough, or the budget is used up."""
+        if self.seams:
+            follow_sizes(self.complex, LONG_SHARE, self.budget - self.used)
         start = 0
         while start >= 0:
             room = self.room()
@@ -171,6 +181,16 @@ class RemeshRun:
         s.cap[:] = np.minimum(bound, RELAXED * s.cap)
         return self.grade()
 
+    def separate(self) -> bool:
+        """Lower sizes where creases are near each other; whether there is such a place."""
+        s = self.complex.sheets
+        bound = np.full(len(s.at), np.inf)
+        self.sweep(crease_pass, self.slots, bound, LEAST_SHARE)
+        if not (bound < s.cap).any():
+            return False
+        s.cap[:] = np.minimum(bound, s.cap)
+        return self.grade()
+
     def grade(self) -> bool:
         """Let lowered sizes grow slowly; whether there are any."""
         s = self.complex.sheets
@@ -197,19 +217,35 @@ class RemeshRun:
         self.collapse()
         self.flip(False)
 
-    def finish(self) -> None:
-        """Moves and flips alone, and then whatever makes the sharpest triangles less sharp."""
+    def finish(self, around: Array | None = None) -> None:
+        """Moves and flips alone, and then whatever makes the sharpest triangles less sharp.
+
+        If there are points ``around`` (k, 3), only triangles near them are looked at in the end.
+        """
         for _ in range(4):
             self.move()
             self.flip(False)
-        for degrees in TARGETS:
-            self.sharpen(degrees)
+        tried = np.zeros(len(self.complex.sheets.name), dtype=np.bool_)
+        if around is not None:
+            tried[: self.slots] = ~self.near(around)
+        for degrees in TARGETS:  # what has not helped a triangle does not for the next target either
+            self.sharpen(degrees, tried)
         self.refresh()
 
-    def sharpen(self, degrees: float) -> None:
-        """Change triangles with angles of fewer degrees."""
+    def near(self, places: Array) -> NDArray[np.bool_]:
+        """The slots of triangles near some points, in units of the size there."""
+        s = self.complex.sheets
+        rows = s.vertex[: 3 * self.slots].reshape(-1, 3)
+        middle = s.xyz[np.maximum(rows, 0)].mean(axis=1)
+        which, _ = TriangleTree(places[:, None].repeat(3, axis=1)).nearest(middle)
+        reach = NEAR_CROSSING * self.asked(np.maximum(rows[:, 0], 0).astype(np.int64))
+        return (rows[:, 0] != UNUSED) & (lengths(middle - places[which]) <= reach)
+
+    def sharpen(self, degrees: float, tried: NDArray[np.bool_] | None = None) -> None:
+        """Change triangles with angles of fewer degrees; not those that were ``tried`` already."""
         target = float(np.sin(np.deg2rad(degrees))) ** 2
-        tried = np.zeros(len(self.complex.sheets.name), dtype=np.bool_)
+        if tried is None:
+            tried = np.zeros(len(self.complex.sheets.name), dtype=np.bool_)
         for _ in range(SHARP_SWEEPS):
             if self.sweep(sharpest_pass, self.slots, target, tried) == 0:
                 return
@@ -254,25 +290,32 @@ class RemeshRun:
         self.flip(False)
         self.sharpen(LEAST_TARGET)
 
-    def crossing(self) -> NDArray[np.int64]:
-        """Slots of triangles that meet others outside of common vertices and edges, without flat ones."""
+    def crossing(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Slots of triangles that meet others outside of common vertices and edges, without flat ones.
+
+        First those that a smaller size may help, then those that meet where the given surface does.
+        """
         taken = self.complex.taken()
         sound = np.flatnonzero(self.faults()[taken.slots] & FLAT_TRIANGLE == 0)
-        pairs = meeting_pairs(taken.points, np.ascontiguousarray(taken.triangles[sound]))
-        return taken.slots[sound[np.unique(pairs)]]
+        rows = np.ascontiguousarray(taken.triangles[sound])
+        pairs = meeting_pairs(taken.points, rows)
+        own = self.own.among(taken.points, rows, pairs)
+        slots = taken.slots[sound]
+        return slots[np.unique(pairs[~own])], slots[np.unique(pairs[own])]
 
-    def untangle(self, bar: Any) -> NDArray[np.int64]:
-        """Smaller sizes where triangles cross, until none do; those that still cross in the end."""
-        found, s = self.crossing(), self.complex.sheets
+    def untangle(self, bar: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Smaller sizes where triangles cross, but where the given surface does; `crossing` in the end."""
+        found = self.crossing()
         for _ in range(UNTANGLED):
-            if not len(found):
+            if not len(found[0]):
                 break
             s = self.complex.sheets
-            corners = np.unique(s.vertex[3 * found[:, None] + np.arange(3)])
+            corners = np.unique(s.vertex[3 * found[0][:, None] + np.arange(3)])
             s.cap[corners] = np.minimum(s.cap[corners], 0.5 * s.size[corners])
+            places = s.xyz[corners]
             self.grade()
             self.round()
-            self.finish()
+            self.finish(places)
             self.settle()
             bar.update()
             found = self.crossing()
@@ -305,6 +348,13 @@ class RemeshRun:
                 break
         self.slack = 1.0
         self.finish()
+        for _ in range(SEPARATIONS):  # only now no other vertices are left between creases
+            if not self.separate():
+                break
+            self.round()
+            self.round()
+            self.finish()
+            bar.update()
         for _ in range(MENDS):
             fault = self.faults() | self.farther()
             if not (fault & TOO_FAR_OFF).any():

@@ -7,11 +7,17 @@ from collections.abc import Callable
 import numpy as np
 
 from ...base.jit import kernel
-from ...connect.insertion.halfedges import next_edge, prev_edge
+from ...connect.insertion.halfedges import UNUSED, next_edge, prev_edge
 from ...connect.surface.complex import SurfaceComplex
-from ...connect.surface.halfedges import CORNER, SEAM_CURVES, SURFACE_SLOTS, edge_between, split_edge
+from ...connect.surface.halfedges import (
+    CORNER,
+    SEAM_CURVES,
+    SURFACE_SLOTS,
+    edge_between,
+    split_edge,
+)
 
-__all__ = ["divide_seams"]
+__all__ = ["divide_seams", "follow_sizes"]
 
 
 @kernel
@@ -38,7 +44,7 @@ def _divide(sheets, pairs, start, points, made):
             m = split_edge(sheets, e)
             for k in range(3):
                 sheets.xyz[m, k] = points[j, k]
-            sheets.kind[m], sheets.on[m] = CORNER, -1
+            sheets.kind[m] = CORNER
             made[j] = m
 
 
@@ -82,8 +88,62 @@ def divide_seams(complex: SurfaceComplex, size: Callable[[np.ndarray], np.ndarra
     key = edge[row] * (int(parts.max()) + 1) + place
     order = np.argsort(key, kind="stable")
     first = order[np.searchsorted(key[order], key)]
-    master = np.arange(int(complex.sheets.state[0]))
-    master[: len(complex.master)] = complex.master
-    master[made] = made[first]
-    complex.master = master
+    complex.unite(made, made[first])
     return int((count > 1).sum())
+
+
+@kernel
+def _along_seams(sheets, found):
+    """Write the half-edges along seams; how many there are."""
+    count = 0
+    for e in range(3 * sheets.state[SURFACE_SLOTS]):
+        if sheets.vertex[e - e % 3] != UNUSED and sheets.curve[e] >= SEAM_CURVES:
+            found[count] = e
+            count += 1
+    return count
+
+
+@kernel
+def _halve_all(sheets, pairs, made):
+    """Halve the edge of each pair of vertices, and write the new vertices, which are corners."""
+    for i in range(pairs.shape[0]):
+        m = split_edge(sheets, edge_between(sheets, pairs[i, 0], pairs[i, 1]))
+        sheets.kind[m] = CORNER
+        made[i] = m
+
+
+def follow_sizes(complex: SurfaceComplex, longest: float, room: int) -> int:
+    """Halve edges of seams, in all sheets alike, until they are short enough; how many vertices were made.
+
+    Parameters
+    ----------
+    complex : SurfaceComplex
+    longest : float
+        The largest length, in wanted ones: in the shortest that is wanted at an end in any of the sheets.
+    room : int
+        How many vertices there may be, at most.
+    """
+    total = 0
+    while True:
+        s = complex.sheets
+        found = np.empty(len(s.vertex), dtype=np.int64)
+        sides = found[: _along_seams(s, found)]
+        if not len(sides):
+            return total
+        u, w = (s.vertex[sides - sides % 3 + (sides + k) % 3] for k in (1, 2))
+        ends = np.sort(np.stack([complex.masters(u), complex.masters(w)], axis=1), axis=1)
+        edge = np.unique(ends, axis=0, return_inverse=True)[1].ravel()
+        d = s.xyz[w] - s.xyz[u]
+        length = np.sqrt(d[:, 0] ** 2 + d[:, 1] ** 2 + d[:, 2] ** 2)
+        wanted = np.full(int(edge.max()) + 1, np.inf)
+        np.minimum.at(wanted, edge, 0.5 * (s.size[u] + s.size[w]))
+        chosen = length > longest * wanted[edge]
+        many = int(chosen.sum())
+        if many == 0 or many > room - total:
+            return total
+        complex.grow(many, 2 * many)
+        made = np.empty(many, dtype=np.int64)
+        _halve_all(complex.sheets, np.stack([u, w], axis=1)[chosen].astype(np.int64), made)
+        _, first, group = np.unique(edge[chosen], return_index=True, return_inverse=True)
+        complex.unite(made, made[first[group.ravel()]])
+        total += many

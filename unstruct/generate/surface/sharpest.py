@@ -14,6 +14,8 @@ from .shapes import SPLITS_DONE, distance_squared, middle_distance, sharpness
 
 __all__ = ["mend_pass", "sharpest_pass"]
 
+VERY_SHARP = 0.03  # sharpness of ten degrees: triangles in sharp corners, mostly, that nothing helps
+NOTABLY_LESS = 1.05  # moves that help them by less are not repeated
 LONGEST_NEW = 1.6  # edges that a collapse makes may have this length, in wanted ones
 
 
@@ -56,6 +58,8 @@ def _less_sharp(work, t, now):
     changed = False
     for k in range(3):
         changed = search_at(work, s.vertex[3 * t + k]) or changed
+    if changed and now < VERY_SHARP:
+        return _sharpness_of(work, t) > NOTABLY_LESS * now
     return changed
 
 

@@ -11,7 +11,7 @@ from ...connect.surface.crossing import unit_normals
 from ...geometry.embedded import embedded, flat_rows, meeting_pairs
 from .intrinsic_run import IntrinsicRun
 
-__all__ = ["Straight", "faulty_sides", "straightened", "too_far"]
+__all__ = ["Straight", "faulty_sides", "own_crossings", "straightened", "too_far"]
 
 Array = NDArray[np.float64]
 
@@ -108,8 +108,23 @@ def faulty_sides(run: IntrinsicRun, straight: Straight) -> tuple[NDArray[np.int6
         return _longest(run, against), "triangles that face the other way"
     if embedded(straight.points, straight.triangles):
         return np.empty(0, dtype=np.int64), ""
-    pairs = meeting_pairs(straight.points, straight.triangles)
+    pairs, own = _meeting(run, straight)
+    pairs = pairs[~own]
     return _longest(run, np.unique(pairs)), "triangles that meet others" if len(pairs) else ""
+
+
+def _meeting(run: IntrinsicRun, straight: Straight) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Pairs of triangles that meet; whether the given surface does so there."""
+    pairs = meeting_pairs(straight.points, straight.triangles)
+    return pairs, run.own.among(straight.points * run.found.factor, straight.triangles, pairs)
+
+
+def own_crossings(run: IntrinsicRun, straight: Straight) -> NDArray[np.int64]:
+    """Triangles that meet others where the given surface meets itself, if that is known."""
+    if not run.own.count:
+        return np.empty(0, dtype=np.int64)
+    pairs, own = _meeting(run, straight)
+    return np.unique(pairs[own])
 
 
 def too_far(run: IntrinsicRun, straight: Straight, near: float) -> tuple[NDArray[np.int64], Array, float]:

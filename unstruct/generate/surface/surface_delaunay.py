@@ -20,7 +20,8 @@ from ...mesh.mesh import Mesh
 from ...sizing import as_size
 from .given_flips import Flipped, flip_given
 from .intrinsic_run import IntrinsicRun
-from .straightening import Straight, faulty_sides, straightened, too_far
+from .own_crossings import OWN_CROSSING
+from .straightening import Straight, faulty_sides, own_crossings, straightened, too_far
 
 __all__ = ["surface_delaunay"]
 
@@ -69,12 +70,14 @@ def surface_delaunay(
     -------
     DomainMesh
         Triangles in space. ``origin``: the given vertex or -1. ``markers``: names of facets, values of cells,
-        and names of edges. ``counts``: "flips", "inserted", and how many triangles fail which criterion ("not
+        and names of edges. ``counts``: "flips", "inserted", "own crossings" (pairs of given triangles that
+        cross, where the mesh does, too), and how many triangles fail which criterion ("not
         plane-centered", "not intrinsic" in edges). ``figures``: "deviation", the larger of the distances
         measured both ways, and "sharp" as given, 0 for None. ``unrefined`` lists, without new vertices, the
         triangles whose plane-centered sphere has a vertex inside, with the reason: there need be no
         triangulation without them. With new vertices it lists the triangles that are larger or sharper (on
-        the surface) than wanted, or not as near.
+        the surface) than wanted, or not as near, or that cross others; where the given surface crosses itself
+        nothing is refined for that.
 
     Raises
     ------
@@ -243,6 +246,7 @@ def _meshed(
     why[far] = "budget" if run.out_of_budget else "far: it stays too far from the surface"
     if fault:
         why[np.unique(faulty_sides(run, straight)[0] // 3)] = f"not embedded: {fault}"
+    why[own_crossings(run, straight)] = f"not embedded: {OWN_CROSSING}"
     bad = np.flatnonzero(why != "").astype(np.int32)
     return DomainMesh(
         straight.points, straight.triangles, origin=straight.origin, markers=markers,
@@ -251,6 +255,7 @@ def _meshed(
             "flips": run.found.counts["flips"],
             "inserted": int((straight.origin < 0).sum()),
             "repaired": run.repaired,
+            "own crossings": run.own.count,
         },
         figures=figures,
     )  # fmt: skip

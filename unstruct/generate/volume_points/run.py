@@ -55,12 +55,17 @@ NO_LIMIT = 2**30
 MOST_SPATIAL = 2**31 // 64  # vertices for which cells can be numbered by 32 bits
 
 
-def recovered(domain: Domain, progress: bool = False) -> tuple[SpatialComplex, Recovered]:
-    """The cells of the vertices of a body, with its facets as faces, its parts numbered."""
+def recovered(
+    domain: Domain, progress: bool = False, points: NDArray[np.float64] | None = None
+) -> tuple[SpatialComplex, Recovered]:
+    """The cells of the vertices of a body, with its facets as faces, its parts numbered.
+
+    With ``points`` the vertices have these places instead, as an image of the body under a linear map.
+    """
     shell = domain.triangulated
     if len(domain.facets) == 0:
         raise InputError("the domain has no facets, so nothing is inside: give facets")
-    cells = SpatialComplex(domain.points, progress=progress)
+    cells = SpatialComplex(domain.points if points is None else points, progress=progress)
     found = cells.recover(shell.triangles, shell.segments, progress=progress)
     cells.flood(len(shell.bounding))
     if not (cells.region[: cells.slots][cells.used()] >= 0).any():
