@@ -31,7 +31,7 @@ Triangle = tuple[int, int, int]
 Edge = tuple[int, int]
 Apex = dict[Edge, int]
 Walls = Iterable[frozenset[int]]
-Crossing = tuple[list[Triangle], list[int], list[int]]
+March = tuple[list[Triangle], list[int], list[int]]
 
 
 @dataclass(frozen=True)
@@ -101,8 +101,8 @@ def on_segment(points: Points, cells: Iterable[Triangle], a: int, b: int) -> lis
     return [a, *line, b]
 
 
-def march(points: Points, apex: Apex, closed: Walls, a: int, b: int) -> Crossing:
-    """The triangles that ab crosses; the vertices above and below, with the ends."""
+def march(points: Points, apex: Apex, closed: Walls, a: int, b: int) -> March:
+    """The triangles that ab crosses, and the vertices above and below it."""
 
     def side(v: int) -> int:
         return 0 if v == b else orient([points[a], points[b], points[v]])
@@ -126,7 +126,7 @@ def march(points: Points, apex: Apex, closed: Walls, a: int, b: int) -> Crossing
 
 
 def fill(points: Points, chain: Sequence[int]) -> list[Triangle]:
-    """The triangles of the polygon on the left of the base from chain[0] to chain[-1]."""
+    """The triangles of the polygon on the left of chain[0] -> chain[-1]."""
     if len(chain) == 2:
         return []
     a, b, k = chain[0], chain[-1], 1
