@@ -133,7 +133,8 @@ def fill(points: Points, chain: Sequence[int]) -> list[Triangle]:
     for i in range(2, len(chain) - 1):
         if in_sphere([points[a], points[b], points[chain[k]]], points[chain[i]]) > 0:
             k = i
-    return [(a, b, chain[k]), *fill(points, chain[: k + 1]), *fill(points, chain[k:])]
+    first, last = fill(points, chain[: k + 1]), fill(points, chain[k:])
+    return [(a, b, chain[k]), *first, *last]
 
 
 def corners(t: Sequence[int]) -> list[tuple[Edge, int]]:
