@@ -86,11 +86,12 @@ def insert_while_large(
     have = exact_points(points)
     cells = list(bowyer_watson(have))[-1].cells
     while len(have) < most:
-        found = sorted(cell for cell in cells if GHOST not in cell)
-        worst = max(found, key=lambda t: alpha2(*(have[v] for v in t), f))
-        if alpha2(*(have[v] for v in worst), f) <= 1:
+        corners = {t: [have[v] for v in t] for t in sorted(cells) if GHOST not in t}
+        alphas = {t: alpha2(a, b, c, f) for t, (a, b, c) in corners.items()}
+        worst = max(alphas, key=alphas.__getitem__)
+        if alphas[worst] <= 1:
             break
-        new = place(*(have[v] for v in worst))
+        new = place(*corners[worst])
         have = [*have, tuple(Fraction(float(x)) for x in new)]
         cells = insert(have, cells, len(have) - 1).cells
     return have, sorted(cell for cell in cells if GHOST not in cell)

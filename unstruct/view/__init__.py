@@ -65,8 +65,8 @@ from .scenes.lifts import lift_state as lift_state
 from .scenes.pencils import PENCIL_WINDOW as PENCIL_WINDOW
 from .scenes.pencils import PENCILS as PENCILS
 from .scenes.pencils import pencil_state as pencil_state
+from .scenes.places import PLACE_POINTS as PLACE_POINTS
 from .scenes.places import PLACE_WINDOW as PLACE_WINDOW
-from .scenes.places import PLACES as PLACES
 from .scenes.places import is_peak as is_peak
 from .scenes.places import nearest_points as nearest_points
 from .scenes.places import new_point_frame as new_point_frame

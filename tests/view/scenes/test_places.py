@@ -12,15 +12,15 @@ from unstruct import InputError
 from unstruct.plain import placement
 from unstruct.plain.bowyer_watson import bowyer_watson
 from unstruct.view import check_frame
-from unstruct.view.scenes.places import PLACES, is_peak, nearest_points, place_state
+from unstruct.view.scenes.places import PLACE_POINTS, is_peak, nearest_points, place_state
 
 GRID = [*product((-8, -5, -3, 0, 3, 8), (-10, -5, -3, 0, 1, 5))]
 
 
-@pytest.mark.parametrize("preset", PLACES)
+@pytest.mark.parametrize("preset", PLACE_POINTS)
 def test_the_whole_range(preset: str) -> None:
     """The shortest edges are those of the plain insertion, which shares no code, also where points tie."""
-    rows = [tuple(map(int, p)) for p in PLACES[preset]]
+    rows = [tuple(map(int, p)) for p in PLACE_POINTS[preset]]
     cells = list(bowyer_watson(rows))[-1].cells
     for place in GRID:
         one = place_state(preset, *map(float, place))
@@ -36,10 +36,10 @@ def test_the_whole_range(preset: str) -> None:
         assert one["caption"].split(";")[0] == f"nearest: {names}"
 
 
-@pytest.mark.parametrize("preset", PLACES)
+@pytest.mark.parametrize("preset", PLACE_POINTS)
 def test_a_peak_is_higher_than_all_places_around(preset: str) -> None:
     """On a circle of small steps, in exact numbers: a direction that does not descend ends a peak."""
-    rows = [tuple(map(Fraction, p)) for p in PLACES[preset]]
+    rows = [tuple(map(Fraction, p)) for p in PLACE_POINTS[preset]]
 
     def far(x: Fraction | int, y: Fraction | int) -> Fraction:
         return min((x - a) ** 2 + (y - b) ** 2 for a, b in rows)
@@ -49,14 +49,14 @@ def test_a_peak_is_higher_than_all_places_around(preset: str) -> None:
     found = 0
     for x, y in GRID:
         higher = all(far(x + c / 10**6, y + s / 10**6) < far(x, y) for c, s in turns)
-        peak = is_peak(np.array(PLACES[preset], dtype=float), np.array([x, y], dtype=float))
+        peak = is_peak(np.array(PLACE_POINTS[preset], dtype=float), np.array([x, y], dtype=float))
         assert peak == higher
         found += peak
     assert (found > 0) == ("acute" in preset or "lattice" in preset)
 
 
 def test_ties_are_exact() -> None:
-    rho, near = nearest_points(np.array(PLACES["nasty: a lattice"], dtype=float), np.array([3.0, 1.0]))
+    rho, near = nearest_points(np.array(PLACE_POINTS["nasty: a lattice"], dtype=float), np.array([3.0, 1.0]))
     assert rho == np.sqrt(18) and near.tolist() == [1, 2, 4, 5]
 
 

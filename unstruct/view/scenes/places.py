@@ -10,18 +10,18 @@ from ...predicates.batch import orient
 from ..draw import frames as fr
 from .choices import preset_named, within
 
-__all__ = ["PLACES", "PLACE_WINDOW", "is_peak", "nearest_points", "new_point_frame", "place_state"]
+__all__ = ["PLACE_POINTS", "PLACE_WINDOW", "is_peak", "nearest_points", "new_point_frame", "place_state"]
 
 _AROUND = [(-3, 5), (3, 5), (-8, -5), (8, -4), (-3, -10), (4, -10)]
 # A and B have the distance 8; it is C that makes the difference. All coordinates are integers.
-PLACES: dict[str, list[tuple[float, float]]] = {
+PLACE_POINTS: dict[str, list[tuple[float, float]]] = {
     "an obtuse triangle": [(-4, 0), (4, 0), (0, 2), *_AROUND],
     "an acute triangle": [(-4, 0), (4, 0), (0, -8), *_AROUND],
     "nasty: a right angle": [(-4, 0), (4, 0), (0, 4), *_AROUND],
     "nasty: a lattice": [(x, y) for y in (4, -2, -8) for x in (-6, 0, 6)],
 }
 PLACE_WINDOW = [-10.5, 10.5, -12.0, 7.0]
-LEFT, RIGHT, BOTTOM, TOP = -8.0, 8.0, -10.0, 5.0
+PLACE_RANGES = {"x": (-8.0, 8.0), "y": (-10.0, 5.0)}
 
 
 def nearest_points(points: np.ndarray, x: np.ndarray) -> tuple[float, np.ndarray]:
@@ -79,7 +79,7 @@ def place_state(preset: str = "an obtuse triangle", x: float = 0.0, y: float = -
     Parameters
     ----------
     preset : str
-        A key of `PLACES`.
+        A key of `PLACE_POINTS`.
     x, y : float
         Between -8 and 8, and between -10 and 5. Multiples of 1/8 are computed without rounding, so that ties
         are seen exactly.
@@ -89,9 +89,9 @@ def place_state(preset: str = "an obtuse triangle", x: float = 0.0, y: float = -
     dict
         A frame; the caption lists the nearest points.
     """
-    points = np.array(preset_named(PLACES, preset), dtype=float)
-    within("x", x, LEFT, RIGHT)
-    within("y", y, BOTTOM, TOP)
+    points = np.array(preset_named(PLACE_POINTS, preset), dtype=float)
+    within("x", x, *PLACE_RANGES["x"])
+    within("y", y, *PLACE_RANGES["y"])
     place = np.array([x, y], dtype=float)
     near = nearest_points(points, place)[1]
     caption = "nearest: " + ", ".join("ABCDEFGHI"[k] for k in near)
