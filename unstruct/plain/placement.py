@@ -77,8 +77,11 @@ def new_edges(points: list[Any], cells: Iterable[Cell], p: Any) -> tuple[Step, d
 
 
 def insert_while_large(
-    points: list[Any], f: Callable[[Point], Any], place: Callable[..., Any], most: int = 200
-) -> tuple[list[Any], list[Cell]]:  # fmt: skip
+    points: list[Any],
+    f: Callable[[Point], Any],
+    place: Callable[..., Any],
+    most: int = 200,
+) -> tuple[list[Any], list[Cell]]:
     """While a triangle has alpha > 1: take the worst, and insert its place.
 
     The result has at most ``most`` points. Places are rounded to doubles.
@@ -104,8 +107,10 @@ def alpha2(a: Any, b: Any, c: Any, f: Callable[[Point], Any]) -> Fraction:
 
 
 def limit(
-    values: Mapping[int, Any], lengths: Mapping[tuple[int, int], Any], growth: Any
-) -> dict[int, Any]:  # fmt: skip
+    values: Mapping[int, Any],
+    lengths: Mapping[tuple[int, int], Any],
+    growth: Any,
+) -> dict[int, Any]:
     """Lower the upper end of an edge that is too steep, until there is none.
 
     Parameters
