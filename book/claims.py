@@ -1,4 +1,4 @@
-"""The ledger as the ledger and errata pages read it: its rows, the cells that check them, tables."""
+"""The ledger as its page and others read it: rows, the cells that check them, their mutations, tables."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from pathlib import Path
 from typing import Any
 
 BOOK = Path(__file__).parent
+LOOK = 'style="text-align: left; vertical-align: top"'  # JupyterLab would set cells to the right
+MUTATIONS = BOOK.parent / "tests" / "mutations"
 VERDICTS = ("true", "needs-assumption", "false", "extension", "misprint", "vague", "historical", "unverified")
 EVIDENCE = ("derived", "exact", "property-tested", "counterexample", "measured", "cited")
 
@@ -43,6 +45,52 @@ def links(name: str, found: dict[str, list[tuple[str, str]]]) -> str:
     return ", ".join(made) or "–"
 
 
+def mutations() -> dict[str, list[dict[str, str]]]:
+    """For each claim the changes of its cell that must not pass."""
+    found: dict[str, list[dict[str, str]]] = {}
+    for path in sorted(MUTATIONS.glob("*.toml")):
+        for row in tomllib.loads(path.read_text(encoding="utf-8")).get("mutation", []):
+            found.setdefault(row["claim"], []).append(row)
+    return found
+
+
+def anchor(name: str) -> str:
+    """The id of a claim's row on the ledger page: "claim-12-2-3-01" for C12.2.3-01."""
+    return "claim-" + name.removeprefix("C").replace(".", "-")
+
+
+def to_row(name: str) -> str:
+    """HTML that leads to the row of a claim."""
+    return f'<a href="ledger.ipynb#{anchor(name)}">{name}</a>'
+
+
+def ledger(claims: Iterable[dict[str, Any]]) -> str:
+    """The ledger as an HTML table; the website filters its rows by section and verdict."""
+    found, changes = cells(), mutations()
+    head = ["id", "the source claims", "verdict", "correct", "evidence", "cell"]
+    lines = ['<table class="ledger">', "<tr>" + "".join(f"<th {LOOK}>{name}</th>" for name in head) + "</tr>"]
+    for row in claims:
+        name = row["id"]
+        texts = [name, row["statement"], row["verdict"], row.get("correct", ""), row["evidence"]]
+        texts = [html.escape(text, quote=False) for text in texts] + [links(name, found)]
+        texts[3] += folded(changes.get(name, []))
+        marks = f'id="{anchor(name)}" data-section="{row["section"]}" data-verdict="{row["verdict"]}"'
+        lines.append(f"<tr {marks}>" + "".join(f"<td {LOOK}>{text}</td>" for text in texts) + "</tr>")
+    return "\n".join([*lines, "</table>"])
+
+
+def folded(changes: Sequence[dict[str, str]]) -> str:
+    """The mutations of a claim, folded: what is put in, the text that is replaced, and what replaces it."""
+    if not changes:
+        return ""
+    items = []
+    for change in changes:
+        why, old, new = (html.escape(change[key], quote=False) for key in ("why", "find", "replace"))
+        items.append(f"<p>{why}:</p><pre>{old}</pre><p>becomes</p><pre>{new or '(nothing)'}</pre>")
+    count = "1 mutation" if len(changes) == 1 else f"{len(changes)} mutations"
+    return f"<details><summary>{count}</summary>{''.join(items)}</details>"
+
+
 def count(column: str, names: Sequence[str], claims: Iterable[dict[str, Any]]) -> list[tuple[str, int]]:
     """How many claims have each value of a column, in the order of ``names``."""
     totals = Counter(row[column] for row in claims)
@@ -54,7 +102,7 @@ def table(head: Sequence[str], body: Iterable[Sequence[Any]]) -> str:
 
     def cell(value: Any, tag: str) -> str:
         text = value if str(value).startswith("<a ") else html.escape(str(value), quote=False)
-        return f'<{tag} style="text-align: left; vertical-align: top">{text}</{tag}>'
+        return f"<{tag} {LOOK}>{text}</{tag}>"
 
     lines = ["<table>", "<tr>" + "".join(cell(name, "th") for name in head) + "</tr>"]
     lines += ["<tr>" + "".join(cell(value, "td") for value in row) + "</tr>" for row in body]

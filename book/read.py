@@ -26,7 +26,8 @@ ROOT = Path(__file__).resolve().parent.parent
 BOOK = ROOT / "book"
 READING = ROOT / "reading"
 COPIED = ".copied.json"  # which state of each file the reader was given
-PAGES = ("*.ipynb", "claims.py", "*.toml", "*.txt", "*.png")
+MODULES = ("chapters.py", "claims.py", "maps.py", "terms.py", "works.py")  # which cells import
+PAGES = ("*.ipynb", *MODULES, "*.toml", "*.txt", "*.png")
 
 
 def fingerprint(path: Path) -> str:

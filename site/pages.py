@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import html
 import json
 import re
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import nbformat
 
@@ -25,6 +27,8 @@ HOW_TO = [
     "howto-mesh-a-body",
     "howto-heat-in-a-body",
 ]
+# made by their cells from data; their code, which teaches nothing, is not on the site
+MADE = {"ledger", "errata", "theorems", "glossary", "index-of-terms", "references"}
 BACK = [
     "benchmarks",
     "benchmarks-planar",
@@ -36,13 +40,18 @@ BACK = [
     "ledger",
     "errata",
     "reference",
+    "theorems",
+    "glossary",
+    "index-of-terms",
     "references",
+    "teaching",
 ]
 
 
 def write_pages(book: Path, site: Path) -> None:
     """Write one page for each notebook of ``book`` into ``site``; remove pages of notebooks now gone."""
     names = [path.stem for path in sorted(book.glob("*.ipynb"))]
+    indexed, ledger = places_of_the_index(book), "ledger" in names
     for old in site.glob("*.ipynb"):
         if old.stem not in names:
             old.unlink()
@@ -52,11 +61,14 @@ def write_pages(book: Path, site: Path) -> None:
             if cell.cell_type == "code":
                 for output in cell.outputs:
                     show_widget(output)
-                    link_to_cells(output)
+                    link_to_pages(output)
                 cell.source = re.sub(r"^%.*\n?", "", cell.source, flags=re.M)
+                if name in MADE or re.match(r"(Markdown|HTML)\(", cell.source):
+                    cell.metadata["tags"] = ["remove-input"]
             else:
-                cell.source = for_sphinx(cell.source)
-        notebook.cells = [part for cell in notebook.cells for part in (*anchor(cell), cell)]
+                text = linked(for_sphinx(cell.source)) if ledger else for_sphinx(cell.source)
+                cell.source = with_entries(text, cell.source, indexed.get(name, {}))
+        notebook.cells = [part for cell in notebook.cells for part in (*anchor(cell, ledger), cell)]
         if name == FRONT:
             notebook.cells.append(nbformat.v4.new_markdown_cell(contents(names), id="contents"))
         write(site / f"{name}.ipynb", nbformat.writes(notebook))
@@ -70,7 +82,32 @@ def for_sphinx(text: str) -> str:
         rf'^((?:> ?)*)<a id="((?:{NUMBERED})-[\w-]+)"></a>[ ]*(?:\n\1)?', r"\1(\2)=\n\1", text, flags=re.M
     )
     text = re.sub(rf"\]\([\w.-]*#((?:{NUMBERED})-[\w-]+)\)", r"](#\1)", text)
+    text = re.sub(r"(\]\([\w.-]+\.ipynb#)([^)\s]+)\)", lambda link: f"{link[1]}{slug(link[2])})", text)
     return re.sub(r"^((?:> ?)*)\$\$(.+?)\$\$$", displayed, text, flags=re.M | re.S)
+
+
+def places_of_the_index(book: Path) -> dict[str, dict[str, list[str]]]:
+    """What the page of the index lists: by page and anchor (as JupyterLab has it) the names of entries."""
+    found: dict[str, dict[str, list[str]]] = {}
+    path = book / "index-of-terms.ipynb"
+    cells = nbformat.read(path, as_version=4).cells if path.is_file() else []
+    shown = "".join(o.get("data", {}).get("text/html", "") for c in cells for o in c.get("outputs", []))
+    for item in re.findall(r"<li>(.*?)</li>", shown):
+        name = html.unescape(re.sub(r"<[^>]+>", "", item.split(": ", 1)[0]))
+        for page, target in re.findall(r'href="([\w.-]+)\.ipynb#([^"]+)"', item):
+            if page != "glossary":
+                found.setdefault(page, {}).setdefault(html.unescape(target), []).append(name)
+    return found
+
+
+def with_entries(text: str, stored: str, wanted: dict[str, list[str]]) -> str:
+    """A cell with the index's entries for its headings and statements, which the search then finds."""
+    targets = [title.replace(" ", "-") for title in re.findall(r"^##+ +(.*?)\s*$", stored, flags=re.M)]
+    targets += re.findall(r'<a id="([\w-]+)"></a>', stored)
+    names = [name for target in targets for name in wanted.get(target, [])]
+    if stored.startswith("# "):
+        return text
+    return "".join(f"```{{index}} single: {name}\n```\n\n" for name in dict.fromkeys(names)) + text
 
 
 def boxed(quote: re.Match[str]) -> str:
@@ -112,19 +149,46 @@ def contents(names: list[str]) -> str:
     return "\n\n".join(trees)
 
 
-def anchor(cell: Any) -> list[Any]:
-    """A place to link to, before each cell that checks a claim."""
-    if not any(tag.startswith("C12") for tag in cell.metadata.get("tags", [])):
+def anchor(cell: Any, ledger: bool) -> list[Any]:
+    """Before each cell that checks claims a place to link to, and links to the rows of the ledger, if any."""
+    claims = [tag for tag in cell.metadata.get("tags", []) if tag.startswith("C12")]
+    if not claims:
         return []
-    return [nbformat.v4.new_markdown_cell(f'<span id="{cell.id}"></span>', id=f"{cell.id}-anchor")]
+    links = [to_row(name, f"{name} ↗") for name in claims if ledger]
+    text = f'<div class="claims" id="{cell.id}">{" ".join(links)}</div>'
+    return [nbformat.v4.new_markdown_cell(text, id=f"{cell.id}-anchor")]
 
 
-def link_to_cells(output: Any) -> None:
-    """Turn JupyterLab's links to cells of other notebooks into links to their anchors."""
-    text = output.get("data", {}).get("text/html")
-    if text:
-        text = "".join(text)
-        output["data"]["text/html"] = re.sub(r"\.ipynb#cell-id=(\w+)", r".html#\1", text)
+def to_row(name: str, text: str) -> str:
+    """A link to the row of a claim on the page of the ledger."""
+    row = "claim-" + name.removeprefix("C").replace(".", "-")
+    return f'<a href="ledger.html#{row}" title="its row in the ledger">{text}</a>'
+
+
+def linked(text: str) -> str:
+    """Markdown in which the claims that boxes on the source name lead to their rows."""
+    claim = re.compile(r"\bC12(?:\.\d+)*-\d+\b")
+    box = re.compile(r"^:::\{admonition\} Source\n.*?^:::$", flags=re.M | re.S)
+    return box.sub(lambda found: claim.sub(lambda name: to_row(name[0], name[0]), found[0]), text)
+
+
+def slug(fragment: str) -> str:
+    """JupyterLab's anchor of a heading (`By-hand`), as Sphinx has it (`by-hand`)."""
+    return re.sub(r"[^\w-]", "", unquote(fragment).lower())
+
+
+def link_to_pages(output: Any) -> None:
+    """Turn links to notebooks, their cells and headings, in what a cell puts out, into those of the site."""
+
+    def link(found: re.Match[str]) -> str:
+        fragment = html.unescape(found[2] or "").removeprefix("cell-id=")
+        return f'href="{found[1]}.html' + (f'#{slug(fragment)}"' if fragment else '"')
+
+    data = output.get("data", {})
+    if text := "".join(data.get("text/html", "")):
+        data["text/html"] = re.sub(r'href="([\w.-]+)\.ipynb(?:#([^"]+))?"', link, text)
+    if text := "".join(data.get("text/markdown", "")):
+        data["text/markdown"] = for_sphinx(text)
 
 
 def show_widget(output: Any) -> None:

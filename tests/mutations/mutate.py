@@ -1,6 +1,8 @@
 """Put what is wrong into the cells that check claims, and require that they notice.
 
     python tests/mutations/mutate.py            # every mutation
+    python tests/mutations/mutate.py --jobs 2   # the same, two chapters at a time
+    python tests/mutations/mutate.py --tenth    # a tenth of each chapter's, always the same
     python tests/mutations/mutate.py 3.1 2.3    # those of two chapters
     python tests/mutations/mutate.py 3.1 C12.3-02
 
@@ -9,24 +11,35 @@ find (once) in that cell, and what to put in its place: the source's formula, a 
 changed constant. All code cells up to the tagged one are run, in one process without a kernel; the changed
 cell runs in a child of that process, so that its changes are lost. It must raise an `AssertionError` (or what
 `raises` names): a mutation that passes shows a cell that cannot fail, and a `NameError` shows nothing.
+
+The tenth is quicker also because of the cells before the tagged one it runs only those that bind
+needed names (`slices.py`), and all of them where that is not enough.
 """
 
 from __future__ import annotations
 
+import argparse
+import hashlib
 import json
 import linecache
 import os
 import re
+import subprocess
 import sys
-import time
 import tomllib
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from slices import needed
+
 HERE = Path(__file__).resolve().parent
 BOOK = HERE.parents[1] / "book"
+SEED = 16  # of the tenth that the tests run
+SHARE = 10
 
 
 @dataclass(frozen=True)
@@ -71,6 +84,22 @@ def files(book: Path = BOOK, folder: Path = HERE) -> Iterator[tuple[Path, Path]]
         yield path, found[0]
 
 
+def tenth(mutations: Sequence[Mutation]) -> list[Mutation]:
+    """One in ten of a chapter's mutations (one, where there are less than fifteen), chosen by their texts.
+
+    So it does not hang on their order, on the day, or on the mutations of other chapters.
+    """
+
+    def key(mutation: Mutation) -> bytes:
+        return hashlib.sha256(
+            f"{SEED}\0{mutation.claim}\0{mutation.find}\0{mutation.replace}".encode()
+        ).digest()
+
+    count = max(1, round(len(mutations) / SHARE))
+    chosen = set(sorted(mutations, key=key)[:count])
+    return [mutation for mutation in mutations if mutation in chosen]
+
+
 def code_of(notebook: Path) -> list[dict[str, Any]]:
     """The code cells, each with its source as one text."""
     cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
@@ -105,20 +134,28 @@ def without_magics(source: str) -> str:
     return re.sub(r"^[%!].*$", "", source, flags=re.M)
 
 
-def run(notebook: Path, mutations: Sequence[Mutation]) -> Iterator[Result]:
-    """Run the notebook's cells in order and, at each tagged one, its mutations first, each in a child."""
+def run(notebook: Path, mutations: Sequence[Mutation], sliced: bool = False) -> Iterator[Result]:
+    """Run the notebook's cells in order and, at each tagged one, its mutations first, each in a child.
+
+    If ``sliced``, only the cells that the mutated ones need; a mutation that is not red then runs again after
+    all cells. The unchanged cells must pass, else it is `Wrong`.
+    """
     cells = code_of(notebook)
     at: dict[int, list[tuple[Mutation, str]]] = {}
     for mutation in mutations:
         number, source = changed(mutation, cells)
         at.setdefault(number, []).append((mutation, source))
+    last = max(at, default=-1)
+    sources = [without_magics(cell["source"]) for cell in cells]
+    wanted = needed(sources, at) if sliced else set(range(last + 1))
     names: dict[str, Any] = {"__name__": "__main__"}
-    for number in range(max(at, default=-1) + 1):
+    for number in sorted(wanted):
         for mutation, source in at.get(number, []):
-            yield in_a_child(mutation, source, f"<mutation of {mutation.claim}>", names)
+            result = in_a_child(mutation, source, f"<mutation of {mutation.claim}>", names)
+            yield result if result.red or not sliced else next(run(notebook, [mutation]))
         cell = cells[number]
         try:
-            execute(without_magics(cell["source"]), f"<{notebook.stem} {cell.get('id', number)}>", names)
+            execute(sources[number], f"<{notebook.stem} {cell.get('id', number)}>", names)
         except Exception as error:
             told = f"{type(error).__name__}: {error}"
             raise Wrong(f"{notebook.name}, cell {cell.get('id')}, unchanged: {told}") from error
@@ -156,35 +193,75 @@ def in_a_child(mutation: Mutation, source: str, name: str, names: dict[str, Any]
     return Result(mutation, red, told if red or not kinds[0] else f"{told} (not {mutation.raises})")
 
 
-def main(wanted: Sequence[str]) -> int:
-    """Run what is named (chapters and claims; all, where nothing is); 1 if a mutation is not red."""
-    os.environ["MPLBACKEND"] = "agg"
-    os.chdir(BOOK)
-    sys.path.insert(0, str(BOOK))
+def selected(wanted: Sequence[str], a_tenth: bool) -> Iterator[tuple[Path, Path, list[Mutation]]]:
+    """The files that are named, or whose claims are, with their notebooks and mutations; all, if none is."""
     claims = {name for name in wanted if name[0] == "C"}
     chapters = set(wanted) - claims
-    count = green = 0
     for path, notebook in files():
         mutations = [m for m in read(path) if not claims or m.claim in claims]
         if mutations and (not chapters or path.stem in chapters):
-            start = time.perf_counter()
-            with open(os.devnull, "w") as quiet:
-                stdout, sys.stdout = sys.stdout, quiet
-                try:
-                    results = list(run(notebook, mutations))
-                finally:
-                    sys.stdout = stdout
-            for result in results:
+            yield path, notebook, tenth(mutations) if a_tenth else mutations
+
+
+def run_here(notebook: Path, mutations: Sequence[Mutation], sliced: bool) -> list[Result]:
+    """Run a chapter's mutations in silence, after all cells if a slice does not pass."""
+    with open(os.devnull, "w") as quiet, redirect_stdout(quiet):
+        try:
+            return list(run(notebook, mutations, sliced))
+        except Wrong:
+            if not sliced:
+                raise
+            return list(run(notebook, mutations))
+
+
+def apart(chapter: str, options: argparse.Namespace) -> tuple[str, int, int]:
+    """Run a chapter's in a process of its own: what it said, how many there were, how many are not red."""
+    claims = [name for name in options.names if name[0] == "C"]
+    command = [sys.executable, __file__, chapter, *claims, *(["--tenth"] if options.tenth else [])]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    *said, total = done.stdout.splitlines() or [""]
+    counts = re.fullmatch(r"(\d+) mutations, (\d+) not red", total)
+    if not counts:
+        raise Wrong(f"{chapter}: {done.stderr.strip() or total}")
+    return "\n".join(said), int(counts[1]), int(counts[2])
+
+
+def seconds() -> float:
+    """The time that processors have worked for this process and its children."""
+    return sum(os.times()[:4])
+
+
+def main() -> int:
+    """Run what is named (chapters and claims; all, where nothing is); 1 if a mutation is not red."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("names", nargs="*", help="chapters, as 3.1, and claims, as C12.3-02")
+    parser.add_argument("--tenth", action="store_true", help="a tenth of each chapter's, always the same")
+    parser.add_argument("--jobs", type=int, default=1, help="how many chapters at a time")
+    options = parser.parse_args()
+    os.environ["MPLBACKEND"] = "agg"
+    os.chdir(BOOK)
+    sys.path.insert(0, str(BOOK))
+    count = green = 0
+    work = list(selected(options.names, options.tenth))
+    if options.jobs > 1:
+        with ThreadPoolExecutor(options.jobs) as pool:
+            for said, some, bad in pool.map(lambda item: apart(item[0].stem, options), work):
+                count, green = count + some, green + bad
+                print(said, flush=True)
+    else:
+        for path, notebook, mutations in work:
+            start = seconds()
+            for result in run_here(notebook, mutations, options.tenth):
                 count, green = count + 1, green + (not result.red)
                 word = "red" if result.red else "NOT RED"
                 print(f"{path.stem} {result.mutation.claim} {word}: {result.mutation.why}: {result.told}")
-            print(f"{path.stem}: {time.perf_counter() - start:.1f} s", flush=True)
+            print(f"{path.stem}: {seconds() - start:.1f} CPU s", flush=True)
     print(f"{count} mutations, {green} not red")
     return int(green > 0 or count == 0)
 
 
 if __name__ == "__main__":
     try:
-        sys.exit(main(sys.argv[1:]))
+        sys.exit(main())
     except Wrong as error:
         sys.exit(f"error: {error}")

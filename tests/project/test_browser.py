@@ -18,7 +18,7 @@ from typing import Any
 
 import nbformat
 import pytest
-from book_files import BOOK, ROOT, chapters, code_cells, notebooks
+from book_files import BOOK, ROOT, chapters, code_cells, ledger, notebooks
 
 from unstruct import Domain, constrained_delaunay, view
 
@@ -83,6 +83,27 @@ def answers_to_a_slider(cell: nbformat.NotebookNode) -> bool:
     return any({"anywidget", "control"} <= found for found in kinds)
 
 
+def test_the_ledger_is_filtered(page: Any, site: Path) -> None:
+    """By section and verdict, together; a link to a row that is hidden shows all again."""
+    page.goto((site / "ledger.html").as_uri())
+    rows = page.locator("table.ledger tr[data-verdict]")
+    shown = page.locator("table.ledger tr[data-verdict]:visible")
+    claims = ledger()
+    assert rows.count() == shown.count() == len(claims)
+    page.get_by_label("verdict").select_option("false")
+    wrong = [row for row in claims if row["verdict"] == "false"]
+    assert shown.count() == len(wrong)
+    page.get_by_label("section").select_option("12.2.6")
+    some = [row["id"] for row in wrong if row["section"] == "12.2.6"]
+    assert [text.strip() for text in shown.locator("td:first-child").all_inner_texts()] == some
+    assert page.locator(".ledger-filters output").inner_text() == f"{len(some)} of {len(claims)} claims"
+    page.evaluate("location.hash = '#claim-12-2-1-01'")
+    page.wait_for_function(
+        "document.querySelector('tr:target') && !document.querySelector('tr:target').hidden"
+    )
+    assert shown.count() == len(claims)
+
+
 def test_front_page_leads_to_the_chapters(site: Path, page: Any) -> None:
     page.goto((site / "index.html").as_uri())
     assert "Unstructured mesh generation" in page.title()
@@ -101,6 +122,15 @@ def test_search_finds_a_chapter(site: Path, page: Any) -> None:
     page.wait_for_selector("#search-results li a")
     hits = [a.get_attribute("href") for a in page.locator("#search-results li a").all()]
     assert any(hit.startswith("2.") for hit in hits), hits
+
+
+def test_search_finds_entries_of_the_index(site: Path, page: Any) -> None:
+    """And leads to their places in the chapters. Results appear one after the other."""
+    page.goto((site / "search.html").as_uri() + "?q=sliver")
+    hit = page.wait_for_selector("#search-results li a[href^='2.8a'][href*='#index-']")
+    address = hit.get_attribute("href")
+    page.goto((site / address).as_uri().replace("%23", "#").replace("%3F", "?"))
+    assert page.evaluate("!!document.getElementById(location.hash.slice(1))")
 
 
 def test_mathematics_is_typeset_and_widgets_are_drawn(site: Path, page: Any) -> None:

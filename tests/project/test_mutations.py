@@ -1,6 +1,7 @@
-"""Mutations fit their cells, claims of new chapters have some, and the runner tells red from green.
+"""Mutations fit their cells, claims have some, and the runner tells red from green.
 
-`python tests/mutations/mutate.py` runs them all; here one cheap one is run, and a small notebook of our own.
+`python tests/mutations/mutate.py --jobs 2` runs all; `test_mutations_*_half.py` run a tenth;
+here small notebooks of our own are run.
 """
 
 from __future__ import annotations
@@ -10,10 +11,11 @@ from pathlib import Path
 
 import nbformat
 import pytest
-from book_files import CLAIM, NEW_CHAPTERS, code_cells, ledger, tags
-from mutate import Mutation, Wrong, changed, code_of, files, read, run
+from book_files import BOOK, CLAIM, NEW_CHAPTERS, ROOT, chapters, code_cells, ledger, tags
+from mutate import Mutation, Wrong, changed, code_of, files, read, run, run_here, tenth
+from mutated import FILES
+from slices import needed
 
-FILES = [pytest.param(path, notebook, id=path.stem) for path, notebook in files()]
 WITHOUT_MUTATION = {"historical", "unverified"}
 CELLS = [
     "import inspect\nlimit = 3",
@@ -21,6 +23,14 @@ CELLS = [
     "%time\nassert f() <= 3\nlimit = 9",
     "assert limit == 9",
 ]
+
+
+def mutations_of(notebook: Path) -> Path:
+    return ROOT / "tests" / "mutations" / f"{notebook.stem.split('-')[0]}.toml"
+
+
+def stored_text(notebook: Path) -> str:
+    return "".join(output.get("text", "") for cell in code_cells(notebook) for output in cell.outputs)
 
 
 @pytest.mark.parametrize(("path", "notebook"), FILES)
@@ -36,7 +46,7 @@ def test_every_mutation_fits_its_cell(path: Path, notebook: Path) -> None:
 
 @pytest.mark.parametrize("notebook", NEW_CHAPTERS)
 def test_every_claim_of_a_new_chapter_has_a_mutation(notebook: Path) -> None:
-    path = Path(__file__).parents[1] / "mutations" / f"{notebook.stem.split('-')[0]}.toml"
+    path = mutations_of(notebook)
     verdicts = {row["id"]: row["verdict"] for row in ledger()}
     claims = {tag for cell in code_cells(notebook) for tag in tags(cell) if CLAIM.fullmatch(tag)}
     claims = {name for name in claims if verdicts.get(name) not in WITHOUT_MUTATION}
@@ -44,13 +54,60 @@ def test_every_claim_of_a_new_chapter_has_a_mutation(notebook: Path) -> None:
     assert claims <= mutated, f"{path.name} has no mutation of {sorted(claims - mutated)}"
 
 
-def test_a_cheap_one_is_red() -> None:
-    """Of the first file: its mutations in the first cell that has some, run as the command runs them."""
-    path, notebook = next(files())
-    cells = code_of(notebook)
-    first = min(changed(m, cells)[0] for m in read(path))
-    results = list(run(notebook, [m for m in read(path) if changed(m, cells)[0] == first]))
-    assert results and all(result.red for result in results), results
+def test_the_tenth_is_a_tenth_and_hangs_on_each_mutation_alone() -> None:
+    many = [mutation(f"{k} <= 3", "4", claim=f"C12.9-{k:02d}") for k in range(1, 61)]
+    chosen = tenth(many)
+    assert len(chosen) == 6 and tenth(many[::-1]) == chosen[::-1]
+    others = [m for m in many if m not in chosen]
+    assert set(tenth([*chosen, *others[:-1]])) <= {*chosen}
+    assert len(tenth(many[:4])) == 1 and len(tenth(many[:16])) == 2
+    assert max(chosen, key=many.index) not in many[:6], "not the first ones"
+
+
+def test_rows_without_a_mutation() -> None:
+    """Only rows that need no cell, and chapters in the old form, may be without; the ledger counts them."""
+    mutated = {mutation.claim for path, _ in files() for mutation in read(path)}
+    old = {
+        tag
+        for path in chapters()
+        if path not in NEW_CHAPTERS and not mutations_of(path).exists()
+        for cell in code_cells(path)
+        for tag in tags(cell)
+    }
+    bare = {row["id"] for row in ledger() if row["verdict"] not in WITHOUT_MUTATION} - mutated
+    assert not bare - old, f"no mutation: {sorted(bare - old)}"
+    (printed,) = re.findall(r"^(\d+) rows have no mutation", stored_text(BOOK / "ledger.ipynb"), flags=re.M)
+    assert int(printed) == len(bare), "run book/execute.py ledger"
+
+
+SLICED = [
+    "a = [1]",
+    "b = 2",
+    "import os\na.append(3)",
+    "c = [b for a in (1, 2)]",
+    "def f():\n    return a",
+    "f()",
+]
+
+
+def test_a_slice_has_what_binds_and_changes_names() -> None:
+    assert needed(SLICED, [5]) == {0, 2, 4, 5}
+    assert needed(SLICED, [3]) == {0, 1, 2, 3}  # a name of a comprehension counts as used
+    assert needed([*SLICED, "os.path.exists('')", "os.sep"], [7]) == {0, 2, 7}
+    assert needed(SLICED, []) == set()
+
+
+def test_where_a_slice_is_not_enough_all_cells_run(tmp_path: Path) -> None:
+    """What a function does to its arguments is not seen."""
+    cells = ["a = []", "def put(x):\n    x.append(1)", "put(a)", "assert a == [1]"]
+    made = [nbformat.v4.new_code_cell(source) for source in cells]
+    made[3].metadata["tags"] = ["C12.9-01"]
+    path = tmp_path / "9-x.ipynb"
+    nbformat.write(nbformat.v4.new_notebook(cells=made), path)
+    kinds = [mutation("a == [1]", "a == [2]"), mutation("a == [1]", "a")]
+    with pytest.raises(Wrong, match="unchanged: AssertionError"):
+        list(run(path, kinds[:1], sliced=True))
+    assert [result.red for result in run_here(path, kinds, sliced=True)] == [True, False]
 
 
 @pytest.fixture

@@ -91,6 +91,37 @@ def test_search_mathematics_and_dark_mode(site: Path) -> None:
     assert all("tex-svg.js" in text for text in with_mathematics)
 
 
+def test_the_search_finds_the_entries_of_the_index(site: Path) -> None:
+    text = (site / "searchindex.js").read_text(encoding="utf-8")
+    index = json.loads(re.search(r"Search\.setIndex\((.*)\)", text, flags=re.S)[1])
+    entries = index["indexentries"]
+    assert len(entries) >= 250
+    for name in ("sliver", "rebay, s.", "voronoi_segment", "terrain"):
+        places = [(index["docnames"][page], target) for page, target, _ in entries[name]]
+        assert places and not any(page == "index-of-terms" for page, _ in places)
+        for page, target in places:
+            assert f'id="{target}"' in (site / f"{page}.html").read_text(encoding="utf-8")
+
+
+def test_cells_of_claims_lead_to_their_rows_and_back(site: Path) -> None:
+    found = pages(site)
+    rows = {name for name in found["ledger.html"].ids if name.startswith("claim-")}
+    assert len(rows) >= 200
+    linked = {link for name in found for link in found[name].links if link.startswith("ledger.html#claim-")}
+    tagged = {
+        tag for path in notebooks() for cell in code_cells(path) for tag in cell.metadata.get("tags", [])
+    }
+    claims = {tag.removeprefix("C").replace(".", "-") for tag in tagged if tag.startswith("C12")}
+    assert (
+        {f"ledger.html#claim-{name}" for name in claims} <= linked <= {f"ledger.html#{row}" for row in rows}
+    )
+    text = (site / "2.7-surfaces.html").read_text(encoding="utf-8")
+    boxes = re.findall(r'<div class="[^"]*\bsource\b[^"]*admonition[^"]*">.*?</div>', text, flags=re.S)
+    assert boxes and all('href="ledger.html#claim-12-2-7-' in box for box in boxes)
+    back = [link for link in found["ledger.html"].links if re.search(r"^[1-5].*\.html#c\d{3}$", link)]
+    assert len(back) >= len(claims)
+
+
 def test_every_widget_has_its_place(site: Path) -> None:
     for path in notebooks():
         stored = [o for cell in code_cells(path) for o in cell.outputs if "widget" in o.get("metadata", {})]

@@ -29,6 +29,9 @@ __all__ = [
 Points = Sequence[Sequence[Any]]
 Triangle = tuple[int, int, int]
 Edge = tuple[int, int]
+Apex = dict[Edge, int]
+Walls = Iterable[frozenset[int]]
+March = tuple[list[Triangle], list[int], list[int]]
 
 
 @dataclass(frozen=True)
@@ -98,19 +101,19 @@ def on_segment(points: Points, cells: Iterable[Triangle], a: int, b: int) -> lis
     return [a, *line, b]
 
 
-def march(
-    points: Points, apex: dict[Edge, int], closed: Iterable[frozenset[int]], a: int, b: int
-) -> tuple[list[Triangle], list[int], list[int]]:
-    """The triangles that the segment ab crosses, and the vertices above and below it, ends included."""
+def march(points: Points, apex: Apex, closed: Walls, a: int, b: int) -> March:
+    """The triangles that ab crosses, and the vertices above and below it."""
 
     def side(v: int) -> int:
         return 0 if v == b else orient([points[a], points[b], points[v]])
 
-    right, left = next(e for e, corner in apex.items() if corner == a and side(e[0]) < 0 < side(e[1]))
+    around = (edge for edge, corner in apex.items() if corner == a)
+    right, left = next(edge for edge in around if side(edge[0]) < 0 < side(edge[1]))
     above, below, crossed = [a, left], [a, right], [triangle(a, right, left)]
     while True:
         if frozenset((left, right)) in closed:
-            raise MeshError(f"segment {(a, b)} crosses segment {tuple(sorted((left, right)))}")
+            other = tuple(sorted((left, right)))
+            raise MeshError(f"segment {(a, b)} crosses segment {other}")
         corner = apex[left, right]
         crossed.append(triangle(left, right, corner))
         if side(corner) >= 0:
@@ -123,14 +126,15 @@ def march(
 
 
 def fill(points: Points, chain: Sequence[int]) -> list[Triangle]:
-    """Constrained Delaunay triangles of the polygon on the left of the base from chain[0] to chain[-1]."""
+    """The triangles of the polygon on the left of chain[0] -> chain[-1]."""
     if len(chain) == 2:
         return []
     a, b, k = chain[0], chain[-1], 1
     for i in range(2, len(chain) - 1):
         if in_sphere([points[a], points[b], points[chain[k]]], points[chain[i]]) > 0:
             k = i
-    return [(a, b, chain[k]), *fill(points, chain[: k + 1]), *fill(points, chain[k:])]
+    first, last = fill(points, chain[: k + 1]), fill(points, chain[k:])
+    return [(a, b, chain[k]), *first, *last]
 
 
 def corners(t: Sequence[int]) -> list[tuple[Edge, int]]:

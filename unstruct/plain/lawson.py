@@ -24,9 +24,11 @@ Edge = tuple[int, int]
 
 
 def lawson(
-    points: Points, triangles: Iterable[Sequence[int]], constrained: Collection[Edge] = ()
+    points: Points,
+    triangles: Iterable[Sequence[int]],
+    constrained: Collection[Edge] = (),
 ) -> tuple[set[Triangle], list[tuple[Edge, Edge]]]:
-    """Swap diagonals until no edge has the opposite vertex of a neighbor in its triangle's circle.
+    """Swap diagonals until no edge is illegal: the circle of uvp contains q beyond uv.
 
     Parameters
     ----------
@@ -56,7 +58,7 @@ def lawson(
 
 
 def flip(apex: dict[Edge, int], u: int, v: int) -> None:
-    """Replace the diagonal uv of the quadrilateral u, q, v, p by pq, where p is left of u -> v."""
+    """Replace the diagonal uv of u, q, v, p by pq, where p is left of uv."""
     p, q = apex.pop((u, v)), apex.pop((v, u))
     for t in [(p, u, q), (q, v, p)]:
         apex.update(_corners(t))

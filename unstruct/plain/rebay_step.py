@@ -47,7 +47,7 @@ class Step:
 
 
 def radius(f: float, p: float, q: float) -> float:
-    """The radius (2.6c.1) of the circle AXB: f, but not below p and not above the cap."""
+    """The radius (2.6c.1) of the circle AXB: f, not below p and not above the cap."""
     return min(max(f, p), cap(p, q))
 
 
@@ -57,7 +57,7 @@ def cap(p: float, q: float) -> float:
 
 
 def distance(r: float, p: float) -> float:
-    """The distance (2.6c.2) of the farther point of the bisector on the circle from M."""
+    """The distance (2.6c.2) from M of the farther point on the circle."""
     return r + sqrt(max(r * r - p * p, 0.0))
 
 
@@ -84,7 +84,8 @@ def step(
     """
     if not 0 < f < inf:
         raise InputError(f"the wanted circumradius {f} must be positive and finite")
-    middle, center = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2), _circumcenter(a, b, d)
+    middle = ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
+    center = _circumcenter(a, b, d)
     p = hypot(b[0] - a[0], b[1] - a[1]) / 2
     normal = _normal(a, b, d)
     q = (center[0] - middle[0]) * normal[0] + (center[1] - middle[1]) * normal[1]

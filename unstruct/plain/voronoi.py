@@ -70,7 +70,7 @@ def dirichlet_cell(sites: Sequence[Point], i: int, window: Iterable[Point]) -> C
 
 
 def cut(cell: Cell, p: Point, q: Point, beyond: int) -> Cell:
-    """The part of a convex cell that is as near to p as to q; its new side, if any, has q ``beyond``."""
+    """What is as near to p as to q, of a convex cell; a new side has q ``beyond``."""
     kept: list[Side] = []
     for k, (start, side) in enumerate(cell):
         end = cell[(k + 1) % len(cell)][0]
@@ -81,14 +81,16 @@ def cut(cell: Cell, p: Point, q: Point, beyond: int) -> Cell:
             kept.append((start, beyond))
         if f * g < 0:
             t = f / (f - g)
-            crossing = (start[0] + t * (end[0] - start[0]), start[1] + t * (end[1] - start[1]))
+            x = start[0] + t * (end[0] - start[0])
+            crossing = (x, start[1] + t * (end[1] - start[1]))
             kept.append((crossing, beyond if f > 0 else side))
     return tuple(kept) if len(kept) > 2 else ()
 
 
 def _excess(x: Point, p: Point, q: Point) -> Fraction:
-    """|x - q|^2 - |x - p|^2: positive where x is nearer to p, zero on the bisector, linear in x."""
-    return (p[0] - q[0]) * (2 * x[0] - p[0] - q[0]) + (p[1] - q[1]) * (2 * x[1] - p[1] - q[1])
+    """|x - q|^2 - |x - p|^2, linear in x: positive where x is nearer to p."""
+    dx, dy = p[0] - q[0], p[1] - q[1]
+    return dx * (2 * x[0] - p[0] - q[0]) + dy * (2 * x[1] - p[1] - q[1])
 
 
 def window_around(sites: Sequence[Point]) -> list[Point]:

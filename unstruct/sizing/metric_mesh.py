@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arguments import finite
-from ..base.arrays import distinct
+from ..base.arrays import as_numbers, distinct
 from ..base.errors import InputError, MeshError
 from ..base.jit import kernel
 from ..geometry.segment_tree import SegmentTree
@@ -102,7 +102,7 @@ def metric_background(mesh: Mesh, values: ArrayLike) -> BackgroundMetric | Backg
             "a background mesh consists of triangles in the plane or tetrahedra in space, at least one"
         )
     refuse_flat(mesh)
-    array, d = np.array(values, dtype=np.float64), mesh.dimension
+    array, d = as_numbers(values, "values").copy(), mesh.dimension
     if array.shape != (len(mesh.points), d, d):
         raise InputError(
             f"give one matrix per vertex, shape ({len(mesh.points)}, {d}, {d}), not {array.shape}"

@@ -58,6 +58,10 @@ from .scenes.histories import baker_frames as baker_frames
 from .scenes.histories import flip_frames as flip_frames
 from .scenes.histories import gift_wrap_frames as gift_wrap_frames
 from .scenes.histories import insertion_frames as insertion_frames
+from .scenes.lifts import LIFT_CENTERS as LIFT_CENTERS
+from .scenes.lifts import LIFT_RADII as LIFT_RADII
+from .scenes.lifts import LIFT_WINDOW as LIFT_WINDOW
+from .scenes.lifts import lift_state as lift_state
 from .scenes.pencils import PENCIL_WINDOW as PENCIL_WINDOW
 from .scenes.pencils import PENCILS as PENCILS
 from .scenes.pencils import pencil_state as pencil_state

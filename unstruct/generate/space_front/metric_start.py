@@ -22,6 +22,7 @@ from ..volume_points.run import recovered
 __all__ = ["recovered_in_metric"]
 
 Array = NDArray[np.float64]
+ON_DIAGONAL = [0, 2, 5]  # of the rows l11, l21, l22, l31, l32, l33 of a factor
 WORTH_A_MAP = 3.0  # the ratio of two lengths from which on coordinates are changed
 
 
@@ -29,14 +30,28 @@ def recovered_in_metric(
     domain: Domain, metric: SpaceMetric, progress: bool = False
 ) -> tuple[SpatialComplex, Recovered]:
     """As `volume_points.run.recovered`, by the mean metric of the surface where it is stretched."""
-    factor = _mean_factor(domain, metric)
-    if factor is not None:
+    for factor in _factors_to_try(domain, metric):
         image = _image(factor, domain.points)
         if np.isfinite(image).all() and len(np.unique(image, axis=0)) == len(image):
             cells, found = recovered(domain, progress, image)
             if found.complete and _taken_back(cells, factor, domain.points):
                 return cells, found
     return recovered(domain, progress)
+
+
+def _factors_to_try(domain: Domain, metric: SpaceMetric) -> list[Array]:
+    """The mean factor, and its diagonal made powers of two.
+
+    Four points of a surface may be on one circle of the image, and rounded to a flat cell that is turned over
+    in space. Powers of two do not round: along the axes no cell is, then.
+    """
+    factor = _mean_factor(domain, metric)
+    if factor is None:
+        return []
+    even = factor.copy()
+    mantissa, power = np.frexp(factor[ON_DIAGONAL])
+    even[ON_DIAGONAL] = np.ldexp(1.0, power - (mantissa < np.sqrt(0.5)))
+    return [factor, even]
 
 
 def _mean_factor(domain: Domain, metric: SpaceMetric) -> Array | None:

@@ -1,8 +1,8 @@
 """Two proofs of section 2.5 step by step: along a line of sight, and around a point that sees everything.
 
 `sight_history` walks from a place in a triangle to a vertex, and shows the power of the vertex with respect
-to the circle of each triangle on the way. `fan_history` visits a cavity, triangle after triangle: what has been
-visited is filled by the triangles from the point to its boundary edges.
+to the circle of each triangle on the way. `fan_history` visits a cavity, triangle after triangle: what has
+been visited is filled by the triangles from the point to its boundary edges.
 """
 
 from __future__ import annotations
@@ -126,13 +126,13 @@ def _way(rows: np.ndarray, cells: list, start: np.ndarray, goal: int) -> list[in
 
 # ---- the fan around P -------------------------------------------------------------------------------
 
-CROWD = [(3, 0.25), (2.25, 2), (0.5, 3), (-1.5, 2.5), (-2.75, 1), (-3, -1), (-1.5, -2.5), (0.5, -3)]
-CROWD += [(2.5, -2)]
-AROUND = [(4.5, 0.5), (2.5, 3.75), (-2.25, 4), (-4.5, 0.25), (-2.5, -3.75), (2.5, -4)]
+NEARLY_ROUND = [(3, 0.25), (2.25, 2), (0.5, 3), (-1.5, 2.5), (-2.75, 1), (-3, -1), (-1.5, -2.5), (0.5, -3)]
+NEARLY_ROUND += [(2.5, -2)]
+FARTHER_OUT = [(4.5, 0.5), (2.5, 3.75), (-2.25, 4), (-4.5, 0.25), (-2.5, -3.75), (2.5, -4)]
 FANS: dict[str, dict[str, Any]] = {
-    "all of the cavity": {"points": [*CROWD, *AROUND], "place": (0.3, 0.2)},
-    "P on an edge": {"points": [*CROWD, *AROUND], "place": None},
-    "three triangles are fixed": {"points": [*CROWD, *AROUND], "place": (0.3, 0.2), "fixed": 3},
+    "all of the cavity": {"points": [*NEARLY_ROUND, *FARTHER_OUT], "place": (0.3, 0.2)},
+    "P on an edge": {"points": [*NEARLY_ROUND, *FARTHER_OUT], "place": None},
+    "three triangles are fixed": {"points": [*NEARLY_ROUND, *FARTHER_OUT], "place": (0.3, 0.2), "fixed": 3},
     "nasty: far from Delaunay": {
         "points": [(0, 4), (0, 6), (0, 7), (1, 4), (2, 9), (2, 10), (3, 0), (3, 11), (6, 10), (7, 1),
                    (8, 10)],
@@ -148,7 +148,7 @@ def fan_mesh(preset: str) -> tuple[Mesh, np.ndarray, list[int]]:
     given = preset_named(FANS, preset)
     points = np.array(given["points"], dtype=float)
     mesh = Mesh(points, given["cells"]).oriented() if "cells" in given else delaunay(points)
-    inner = np.flatnonzero((mesh.simplices < len(CROWD)).all(axis=1))
+    inner = np.flatnonzero((mesh.simplices < len(NEARLY_ROUND)).all(axis=1))
     if given["place"] is None:
         t = int(inner[np.argmin((mesh.corners[inner].mean(axis=1) ** 2).sum(axis=1))])
         return mesh, mesh.points[mesh.simplices[t, :2]].mean(axis=0).round(12), []
