@@ -21,9 +21,9 @@ def exact(corner) -> Fraction:
     return radius2(exact_points([A, B, corner]), (0, 1, 2))
 
 
-@pytest.mark.parametrize("beyond", view.RIM_EDGES)
+@pytest.mark.parametrize("beyond", view.RIM_BEYOND)
 def test_over_its_whole_range(beyond):
-    corner = view.RIM_EDGES[beyond]
+    corner = view.RIM_BEYOND[beyond]
     for x, y in PLACES:
         frame = view.rim_edge_state(x, y, beyond)
         view.check_frame(frame)
@@ -40,11 +40,11 @@ def test_over_its_whole_range(beyond):
 
 
 def test_both_corners_are_delaunay():
-    assert all(in_sphere([A, B, C], d) < 0 for d in view.RIM_EDGES.values() if d is not None)
+    assert all(in_sphere([A, B, C], d) < 0 for d in view.RIM_BEYOND.values() if d is not None)
 
 
 def test_all_captions_are_reached():
-    said = {view.rim_edge_state(x, y, key)["caption"] for x, y in PLACES for key in view.RIM_EDGES}
+    said = {view.rim_edge_state(x, y, key)["caption"] for x, y in PLACES for key in view.RIM_BEYOND}
     assert len(said) == 6
 
 

@@ -9,10 +9,10 @@ import numpy as np
 from ..draw import frames as fr
 from .choices import preset_named, within
 
-__all__ = ["RIM_EDGES", "rim_edge_state"]
+__all__ = ["RIM_BEYOND", "rim_edge_state"]
 
 # The edge is from A = (-1, 0) to B = (1, 0); all coordinates are dyadic, so that the signs are exact.
-RIM_EDGES: dict[str, tuple[float, float] | None] = {
+RIM_BEYOND: dict[str, tuple[float, float] | None] = {
     "a near corner D": (0.25, -1.25),
     "a far corner D": (-0.5, -3.0),
     "nothing: AB is a boundary edge": None,
@@ -30,7 +30,7 @@ def rim_edge_state(x: float = 0.0, y: float = 0.5, beyond: str = "a near corner 
     x, y : float
         The place of P: x between -1 and 1, y between 1/16 and 2; multiples of 1/16 are computed exactly.
     beyond : str
-        A key of `RIM_EDGES`: what is on the other side of AB.
+        A key of `RIM_BEYOND`: what is on the other side of AB.
 
     Returns
     -------
@@ -40,7 +40,7 @@ def rim_edge_state(x: float = 0.0, y: float = 0.5, beyond: str = "a near corner 
     """
     within("x", x, -1.0, 1.0)
     within("y", y, 0.0625, 2.0)
-    far = preset_named(RIM_EDGES, beyond)
+    far = preset_named(RIM_BEYOND, beyond)
     place = np.array([x, y])
     given = [("C", RIM_CORNER)] if far is None else [("C", RIM_CORNER), ("D", np.array(far))]
     radii = {f"AB{name}": _radius(corner) for name, corner in [*given, ("P", place)]}
