@@ -46,14 +46,16 @@ class Step:
     cells: frozenset[Cell]  # afterwards, ghosts among them
 
 
-def circumcenter_insertion(points: Points, count: int, worst: Measure | None = None) -> Iterator[Step]:
-    """Insert up to ``count`` circumcenters; end where every circumcenter is outside of the hull or on it.
+def circumcenter_insertion(
+    points: Points, count: int, worst: Measure | None = None
+) -> Iterator[Step]:  # fmt: skip
+    """Insert up to ``count`` circumcenters; end where none is inside of the hull.
 
     Parameters
     ----------
     points : the first points
     count : how many to insert
-    worst : measure of a triangle, from points and cell; the largest is the worst. By default `radius2`.
+    worst : measure of a triangle, from points and cell; by default `radius2`
     """
     worst, have = worst or radius2, exact_points(points)
     cells = list(bowyer_watson(have))[-1].cells
@@ -61,7 +63,8 @@ def circumcenter_insertion(points: Points, count: int, worst: Measure | None = N
         skipped: list[Cell] = []
         for cell in sorted(real(cells), key=partial(worst, have), reverse=True):
             point = rounded(center(have, cell))
-            if not any(conflicts([*have, point], cells, c, len(have)) for c in cells if GHOST in c):
+            now, ghosts = [*have, point], [c for c in cells if GHOST in c]
+            if not any(conflicts(now, cells, ghost, len(have)) for ghost in ghosts):
                 break
             skipped.append(cell)
         else:

@@ -85,6 +85,8 @@ from .scenes.rebay import chain_frame as chain_frame
 from .scenes.rebay import cobweb_state as cobweb_state
 from .scenes.rebay import voronoi_segment_state as voronoi_segment_state
 from .scenes.rebay_history import rebay_frames as rebay_frames
+from .scenes.rim_edges import RIM_BEYOND as RIM_BEYOND
+from .scenes.rim_edges import rim_edge_state as rim_edge_state
 from .scenes.space_frames import bodies as bodies
 from .scenes.space_frames import space_frame as space_frame
 from .scenes.space_fronts import front_items3 as front_items3
