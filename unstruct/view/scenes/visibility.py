@@ -31,7 +31,7 @@ SIGHTS: dict[str, dict[str, Any]] = {
         "to": 3,
         "segments": [(1, 2)],
     },
-    "nasty: an edge that should be flipped": {
+    "nasty: an edge that should be swapped": {
         "points": [(0, 0), (3, -2), (3, 2), (3.6, -0.5), (4.1, 0.4)],
         "cells": [(0, 1, 2), (1, 3, 2), (2, 3, 4), (1, 4, 3)],
         "from": (1.6, 0.1),
