@@ -3,12 +3,12 @@
 The polygon lies on the left of its base V_0 V_n; its other sides are a chain V_0 ... V_n, each corner of
 which was joined to the other side of the base by an old edge. So every corner sees the base.
 
-`fill` finds, for one base after the other, the corner whose circle is empty. This is Anglada's method; it
-needs k log k tests for corners at random places, but k^2 for rows of points along the segment, where each
-base cuts off one corner only. After too many tests, `cut_ears` cuts the remaining polygons in one pass, and
-swaps then make the edges Delaunay. An ear at a corner b with neighbors a and c may be cut: the lines of sight
-from a and c to the base enclose no corner but b. As long as there is a corner there is an ear, by the sum of
-angles.
+`fill` finds, for one base after the other, the corner whose circle contains no other corner of the polygon.
+This is Anglada's method; it needs k log k tests for corners at random places, but k^2 for rows of points
+along the segment, where each base after the first cuts off one corner only. After too many tests,
+`cut_ears` cuts the remaining polygons in one pass, and swaps then make the edges Delaunay. An ear at a
+corner b with neighbors a and c may be cut: the lines of sight from a and c to the base enclose no corner
+but b. As long as there is a corner there is an ear, by the sum of angles.
 
 Sources: M. V. Anglada, Computers & Graphics 21 (1997) 215-223; G. T. Toussaint, D. Avis, On a convex hull
 algorithm for polygons and its application to triangulation problems, Pattern Recognition 15 (1982) 23-29.

@@ -126,7 +126,8 @@ def _passage(rows: np.ndarray, before: Mesh, after: DomainMesh, done: Sequence, 
     for base_edge, cell in _from_bases(new - old, parts):
         come.append(cell)
         (apex,) = set(cell) - set(base_edge)
-        text = f"edge {base_edge[0]} {base_edge[1]} is joined to {apex}: the circle is empty"
+        name = f"{base_edge[0]} {base_edge[1]}"
+        text = f"edge {name} is joined to {apex}: no other corner of the polygon is in the circle"
         circle = fr.circles(
             "circumcircle", [circumcenter(rows[list(cell)])], [circumradius(rows[list(cell)])]
         )

@@ -31,7 +31,7 @@ SIGHTS: dict[str, dict[str, Any]] = {
         "to": 3,
         "segments": [(1, 2)],
     },
-    "nasty: an edge that should be flipped": {
+    "nasty: an edge that should be swapped": {
         "points": [(0, 0), (3, -2), (3, 2), (3.6, -0.5), (4.1, 0.4)],
         "cells": [(0, 1, 2), (1, 3, 2), (2, 3, 4), (1, 4, 3)],
         "from": (1.6, 0.1),
@@ -191,8 +191,8 @@ def fan_history(preset: str = "all of the cavity") -> list[fr.Frame]:
         visited = sorted(t for t, _ in order[:k])
         facets = boundary_facets(mesh, visited)
         rim = mesh.points[[[mesh.simplices[t, i - 2], mesh.simplices[t, i - 1]] for t, i in facets]]
-        spokes = fr.segments("inserted", [[p, q] for q in np.unique(rim.reshape(-1, 2), axis=0)], opacity=0.7)
-        items = [*base, fr.polygons("cavity", mesh.corners[visited])]
+        fan = [[p, *edge] for edge in rim]
+        items = [*base]
         text = "the triangle of P: three triangles from P fill it"
         if first == 2:
             text = "P is on an edge: four triangles from P fill its two"
@@ -202,7 +202,7 @@ def fan_history(preset: str = "all of the cavity") -> list[fr.Frame]:
             items.append(fr.polygons("highlight", [corners]))
             items.append(fr.circles("circumcircle", [circumcenter(corners)], [float(circumradius(corners))]))
             text = "one more: its circle contains P, and one triangle from P becomes two"
-        items += [spokes, fr.segments("front", rim)]
+        items += [fr.polygons("accepted", fan, opacity=0.6), fr.segments("front", rim)]
         number = f"triangles = {k}, boundary edges = {len(rim)}"
         made.append(fr.frame(text, *items, *over, number=number))
     view = fr.bounds([fr.frame("", fr.dots("vertex", mesh.points))], 0.08)
