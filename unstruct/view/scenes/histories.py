@@ -111,13 +111,19 @@ def _insertion(rows: np.ndarray, k: int, before: Mesh, after: Mesh, held: int, n
     whole = _connected(hit, _key(before.simplices[held])) if held >= 0 else hit
     if hit != whole:
         parts = [_polygons("cavity", rows, whole), _polygons("bad", rows, hit - whole), _circles(rows, hit)]
-        text = f"{len(hit)} circles contain it, but {len(hit - whole)} of their triangles lie apart"
+        lie = "lies" if len(hit - whole) == 1 else "lie"
+        text = f"{len(hit)} circles contain it, but {len(hit - whole)} of their triangles {lie} apart"
         made.append(fr.frame(text, *_cells(rows, old), *parts, point, *marks))
     if whole != gone:
         parts = [_polygons("cavity", rows, gone), _polygons("bad", rows, whole - gone)]
         text = f"{len(whole - gone)} of {len(whole)} triangles remain: an edge of them is hidden"
         made.append(fr.frame(text, *_cells(rows, old), *parts, point, *marks))
-    made.append(_cavity_frame(rows, old, gone, come, k, [point, *marks]))
+    if gone != hit:
+        text = f"What goes: {_count(len(gone), 'triangle')} of the principal component"
+    else:
+        text = f"{len(gone)} circle{'s contain' if len(gone) != 1 else ' contains'} it: the cavity"
+    text = text if gone else "It sees these edges"
+    made.append(_cavity_frame(rows, old, gone, come, text, [point, *marks]))
     count = f"{_count(len(gone), 'triangle')} deleted, {len(come)} created"
     rest = [*_cells(rows, old & new), _polygons("accepted", rows, come)]
     made.append(fr.frame(f"Join point {k} to the edges around it", *rest, point, *marks, number=count))
@@ -125,17 +131,13 @@ def _insertion(rows: np.ndarray, k: int, before: Mesh, after: Mesh, held: int, n
 
 
 def _cavity_frame(
-    rows: np.ndarray, old: set[Cell], gone: set[Cell], come: set[Cell], k: int, front: list
+    rows: np.ndarray, old: set[Cell], gone: set[Cell], come: set[Cell], text: str, front: list
 ) -> fr.Frame:
     """The triangles to be deleted, with their circles, and the edges that will be joined to the point."""
+    k = max(map(max, come))  # the point that arrives has the last number
     edges = [sorted(set(c) - {k}) for c in come]
     boundary = fr.segments("front", rows[edges])
     parts = [_polygons("cavity", rows, gone), _circles(rows, gone)]
-    text = (
-        f"{len(gone)} circle{'s contain' if len(gone) != 1 else ' contains'} it: the cavity"
-        if gone
-        else "It sees these edges"
-    )
     return fr.frame(
         text, *_cells(rows, old), *parts, boundary, *front, number=f"{_count(len(edges), 'edge')} around it"
     )
