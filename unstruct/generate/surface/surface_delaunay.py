@@ -210,10 +210,10 @@ def _refined(run: IntrinsicRun, near: float | None, turn: float) -> DomainMesh:
             run.want_less(far, excess)
         elif len(sides) == 0 or run.divide(sides) == 0:
             break
+        run.refine()
+        straight = straightened(run)  # of all halves, also where the budget ends the repairs
         if run.out_of_budget:
             break
-        run.refine()
-        straight = straightened(run)
     if not fault and near is None:
         measured = max(run.given.support.deviation(straight.points, straight.triangles))
     return _meshed(run, straight, fault, far, {"deviation": measured, "sharp": turn})
