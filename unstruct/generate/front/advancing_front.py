@@ -177,12 +177,12 @@ def advancing_front(
     placed within the metric distance 0.05 of a wall, hence of any vertex: their number is bounded. Where the
     surface is cut, a metric that asks for more points than the budget is refused before any work;
     ``figures["tetrahedra expected"]`` is the volume of the body in the metric over that of an ideal cell. A
-    stretched surface is recovered in the coordinates of its mean metric, so that a box at ratio 1000 takes as
-    long for each cell as at ratio 10. A curved surface that lengths in fixed directions cut across
-    (``split_boundary=True``) takes minutes from a ratio of about 30 on; Ctrl-C ends it. ``finish`` judges
-    shapes in the metric. ``figures`` has qualities and lengths as in the plane, ``unrefined`` the cells with
-    an edge above 2.5. ``order`` is "widest" or "oldest", ``placement`` "equal sides" or "sphere";
-    ``steps["size"]`` (the lateral edge) and ``steps["radius"]`` are in the metric.
+    stretched surface is recovered in the coordinates of its mean metric, so that a box at ratio 1000 takes
+    seconds, for each cell one to four times as long as at ratio 10. A curved surface that lengths in fixed
+    directions cut across (``split_boundary=True``) takes minutes from a ratio of about 30 on; Ctrl-C ends it.
+    ``finish`` judges shapes in the metric. ``figures`` has qualities and lengths as in the plane,
+    ``unrefined`` the cells with an edge above 2.5. ``order`` is "widest" or "oldest", ``placement`` "equal
+    sides" or "sphere"; ``steps["size"]`` (the lateral edge) and ``steps["radius"]`` are in the metric.
 
     *The classical method in space* may stick: no vertex of the front can be joined to any face of it, as with
     Schönhardt's prism. What is left is then filled by recovery with points inside, and counted. See
