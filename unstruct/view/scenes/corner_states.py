@@ -55,6 +55,7 @@ def corner_state(method: str = "Delaunay refinement", angle: float = 20.0) -> fr
         fr.polygons("cell", mesh.corners[~left]),
         fr.polygons("bad", mesh.corners[left]),
         fr.segments("constrained", domain.points[domain.facets]),
+        fr.dots("bad", mesh.corners[left].mean(axis=1)),
     ]
     worst = f"{smallest[left].min():.1f}°" if left.any() else "none"
     number = f"{mesh.size} cells; smallest angle: given up {worst}, others {smallest[~left].min():.1f}°"

@@ -15,9 +15,9 @@ __all__ = ["SLOPE_FEET", "SLOPE_HEIGHTS", "slope_bounds", "slope_state"]
 SLOPE_HEIGHTS = (0.15, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.732)
 SLOPE_FEET = (0.0, 0.2, 0.4, 0.6, 0.8, 0.95)
 BASE = np.array([[-1.0, 0.0], [1.0, 0.0]])
-AT, SCALE = np.array([5.9, 0.4]), 0.8  # where the plane of gradients is drawn
+AT, SCALE = np.array([4.7, 0.4]), 0.65  # where the plane of gradients is drawn
 REACH_OF_STRIP = 12.0
-SLOPE_WINDOW = (-2.9, 9.1, -2.5, 3.6)
+SLOPE_WINDOW = (-2.6, 7.2, -2.3, 3.0)
 
 
 def slope_bounds(corners: Any) -> np.ndarray:
