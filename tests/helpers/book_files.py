@@ -35,7 +35,6 @@ def chapters() -> list[Path]:
 OLD_FORM = (
     "1-",
     "2.4a",
-    "2.4b",
     "2.6d",
 )
 NEW_CHAPTERS = [path for path in chapters() if not path.name.startswith(OLD_FORM)]

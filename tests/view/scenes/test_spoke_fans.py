@@ -32,9 +32,9 @@ def test_round_two_is_round_zero_enlarged() -> None:
     red = [next(i["data"] for i in one["items"] if i["role"] == "bad") for one in frames]
     assert np.allclose(red[0], red[2]) and np.allclose(red[1], red[3]) and not np.allclose(red[0], red[1])
     assert [one["caption"] for one in frames[:3]] == [
-        "round 0, enlarged 1 times: 5 missing",
-        "round 1, enlarged 1 times: 5 missing",
-        "round 2, enlarged 2 times: 5 missing",
+        "round 0 (1×): 5 missing",
+        "round 1 (1×): 5 missing",
+        "round 2 (2×): 5 missing",
     ]
 
 

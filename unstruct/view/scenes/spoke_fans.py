@@ -71,15 +71,15 @@ def spoke_frames(ends: Sequence[Sequence[float]], rounds: int = SPOKE_ROUNDS) ->
         inner = np.array([p for p, h in zip(at, halved) if h > least]).reshape(-1, 2)
         there = [i for i in range(len(now)) if i not in bad]
         o = np.zeros(2)
-        caption = f"round {k}, enlarged {2**least} times: {len(bad)} missing"
-        caption = f"round {k}, enlarged {2**least} times: nothing is missing, it ends" if not bad else caption
+        told = f"{len(bad)} missing" if bad else "nothing is missing, it ends"
+        caption = f"round {k} ({2**least}×): {told}"
         items = [
             fr.segments("muted", np.stack([inner, outer], axis=1)),
             fr.segments("constrained", [[o, at[i]] for i in there]),
             fr.segments("bad", [[o, at[i]] for i in bad]),
             fr.dots("vertex", [o, *at]),
         ]
-        made.append(fr.frame(caption, *items, number=f"{len(bad)} missing", view=SPOKE_WINDOW))
+        made.append(fr.frame(caption, *items, view=SPOKE_WINDOW))
         if not bad:
             break
         for i in bad:
