@@ -40,8 +40,8 @@ def test_round_two_is_round_zero_enlarged() -> None:
 
 def test_other_spokes() -> None:
     frames = spoke_frames([(3, 2), (4, 3), (-4, 3), (-2, 1), (-1, -3), (-1, -4)], 12)
-    assert len(frames) == 13 and "missing" in frames[-1]["caption"]
-    assert "it ends" in spoke_frames([(1, 0), (0, 1)])[-1]["caption"]
+    assert len(frames) == 13 and "missing" in frames[-1]["number"]
+    assert "it ends" in spoke_frames([(1, 0), (0, 1)])[-1]["number"]
 
 
 @pytest.mark.parametrize("values", [(7, 0.7), (10, 0.4), (10, 1.1), (10, float("nan"))])

@@ -25,7 +25,7 @@ Vector = tuple[Fraction, Fraction]
 
 
 def equal_spokes(spokes: int, ratio: float) -> np.ndarray:
-    """Ends of spokes at equal angles around (0, 0), with lengths 1000 and 1000 ``ratio`` in turn, as integers."""
+    """Ends of spokes at equal angles around (0, 0), lengths 1000 and 1000 ``ratio`` in turn, integers."""
     turn = 2 * np.pi * np.arange(spokes) / spokes
     length = np.where(np.arange(spokes) % 2, 1000.0 * ratio, 1000.0)
     return np.round(np.column_stack([length * np.cos(turn), length * np.sin(turn)])).astype(int)
@@ -52,7 +52,8 @@ def spoke_history(spokes: int = 10, ratio: float = 0.7) -> list[fr.Frame]:
     larger, cosine = max(ratio, 1 / (2 * ratio)), float(np.cos(2 * np.pi / spokes))
     sign = "<" if larger < cosine else "≥"
     number = f"max(r, 1/(2r)) = {larger:.3f} {sign} cos φ = {cosine:.3f}"
-    return [{**one, "number": number} for one in spoke_frames(equal_spokes(spokes, ratio).tolist())]
+    frames = spoke_frames(equal_spokes(spokes, ratio).tolist())
+    return [{**one, "caption": f"{one['caption']}: {one['number']}", "number": number} for one in frames]
 
 
 def spoke_frames(ends: Sequence[Sequence[float]], rounds: int = SPOKE_ROUNDS) -> list[fr.Frame]:
@@ -71,15 +72,14 @@ def spoke_frames(ends: Sequence[Sequence[float]], rounds: int = SPOKE_ROUNDS) ->
         inner = np.array([p for p, h in zip(at, halved) if h > least]).reshape(-1, 2)
         there = [i for i in range(len(now)) if i not in bad]
         o = np.zeros(2)
-        told = f"{len(bad)} missing" if bad else "nothing is missing, it ends"
-        caption = f"round {k} ({2**least}×): {told}"
+        told = f"{len(bad)} missing" if bad else "nothing is missing: it ends"
         items = [
             fr.segments("muted", np.stack([inner, outer], axis=1)),
             fr.segments("constrained", [[o, at[i]] for i in there]),
             fr.segments("bad", [[o, at[i]] for i in bad]),
             fr.dots("vertex", [o, *at]),
         ]
-        made.append(fr.frame(caption, *items, view=SPOKE_WINDOW))
+        made.append(fr.frame(f"round {k} ({2**least}×)", *items, number=told, view=SPOKE_WINDOW))
         if not bad:
             break
         for i in bad:

@@ -65,7 +65,7 @@ def two_angle_state(x: float = 0.25, y: float = 1.5, preset: str = "Q sees a rig
         fr.dots("voronoi", centers),
         fr.dots("vertex", [*ends, points[1]]),
         fr.dots("inserted", [points[0]], handles=["P"]),
-        fr.labels("vertex", [*ends - [0.0, 0.1], *points + [0.12, 0.05]], "uvPQ"),
+        fr.labels("vertex", np.vstack([ends - [0.0, 0.1], points + np.array([0.12, 0.05])]), "uvPQ"),
     ]
     angles = np.degrees(np.arctan2(1.0, [high, -low]))
     number = f"∠P + ∠Q = {angles[0]:.1f}° + {angles[1]:.1f}° = {angles.sum():.1f}°"
