@@ -86,7 +86,11 @@ def halve(
     return points, new
 
 
-def fan(spokes: Sequence[Point], test: Test = missing, limit: int = 1000) -> list[tuple[int, ...]]:
+def fan(
+    spokes: Sequence[Point],
+    test: Test = missing,
+    limit: int = 1000,
+) -> list[tuple[int, ...]]:
     """How often each segment from (0, 0) to an end must be halved, round by round.
 
     Only the half next to the center is looked at, and only the ends of such halves as
