@@ -1,4 +1,4 @@
-"""A mesh as two flat arrays, told plainly: who is next to whom, and a walk from cell to cell.
+"""A mesh as two flat arrays, told plainly: who is next to whom, what can be removed, a walk.
 
 ``cells`` is a list of rows of vertex numbers, of any dimension. Section 1 of the book.
 """
@@ -12,7 +12,7 @@ from typing import Any
 from unstruct.base.errors import MeshError
 from unstruct.plain.predicates import orient
 
-__all__ = ["face_counts", "neighbors", "walk"]
+__all__ = ["face_counts", "neighbors", "removable", "walk"]
 
 Rows = Sequence[Sequence[int]]
 
@@ -40,6 +40,22 @@ def face_counts(cells: Rows) -> tuple[int, ...]:
     """(f_0, f_1, ...): the numbers of vertices, edges, ..., cells."""
     sizes = range(1, len(cells[0]) + 1)
     return tuple(len({frozenset(f) for cell in cells for f in combinations(cell, size)}) for size in sizes)
+
+
+def removable(cells: Rows) -> list[int]:
+    """The cells whose removal leaves a disk a disk (in space: a ball a ball), and at least one cell."""
+    adjacent = neighbors(cells)
+    boundary = set()  # all vertices, edges, ... of all facets that one cell alone has
+    for cell, beyond in zip(cells, adjacent):
+        for v, s in zip(cell, beyond):
+            rest = [u for u in cell if s < 0 and u != v]
+            boundary |= {frozenset(face) for k in range(len(rest)) for face in combinations(rest, k + 1)}
+    result = []
+    for t, cell in enumerate(cells):
+        opposite = frozenset(v for v, s in zip(cell, adjacent[t]) if s < 0)
+        if 0 < len(opposite) < len(cell) and opposite not in boundary:
+            result.append(t)
+    return result
 
 
 def walk(points: Any, cells: Rows, adjacent: Rows, start: int, q: Any) -> list[int]:

@@ -30,6 +30,7 @@ from .draw.strips import strip as strip
 from .draw.terrain import plot_terrain as plot_terrain
 from .draw.trees import plot_tree as plot_tree
 from .scenes import states as states
+from .scenes.apexes import apex_state as apex_state
 from .scenes.cap_states import CAP_PAIRS as CAP_PAIRS
 from .scenes.cap_states import cap_state as cap_state
 from .scenes.centers import CENTERS as CENTERS
@@ -58,10 +59,17 @@ from .scenes.histories import baker_frames as baker_frames
 from .scenes.histories import flip_frames as flip_frames
 from .scenes.histories import gift_wrap_frames as gift_wrap_frames
 from .scenes.histories import insertion_frames as insertion_frames
+from .scenes.lakes import LAKE_MESHES as LAKE_MESHES
+from .scenes.lakes import lake_mesh as lake_mesh
+from .scenes.lakes import lake_state as lake_state
 from .scenes.lifts import LIFT_CENTERS as LIFT_CENTERS
 from .scenes.lifts import LIFT_RADII as LIFT_RADII
 from .scenes.lifts import LIFT_WINDOW as LIFT_WINDOW
 from .scenes.lifts import lift_state as lift_state
+from .scenes.peeling import CUT_MESH as CUT_MESH
+from .scenes.peeling import cut_counts as cut_counts
+from .scenes.peeling import line_cut_state as line_cut_state
+from .scenes.peeling import peeling_frames as peeling_frames
 from .scenes.pencils import PENCIL_WINDOW as PENCIL_WINDOW
 from .scenes.pencils import PENCILS as PENCILS
 from .scenes.pencils import pencil_state as pencil_state
@@ -139,6 +147,10 @@ from .scenes.visibility import FANS as FANS
 from .scenes.visibility import SIGHTS as SIGHTS
 from .scenes.visibility import fan_history as fan_history
 from .scenes.visibility import sight_history as sight_history
+from .scenes.walks import WALK_MESHES as WALK_MESHES
+from .scenes.walks import walk_mesh as walk_mesh
+from .scenes.walks import walk_powers as walk_powers
+from .scenes.walks import walk_state as walk_state
 from .scenes.wedge_states import WEDGES as WEDGES
 from .scenes.wedge_states import wedge_coefficients as wedge_coefficients
 from .scenes.wedge_states import wedge_state as wedge_state
