@@ -21,7 +21,7 @@ __all__ = ["LAKE_MESHES", "lake_mesh", "lake_state"]
 LAKE_MESHES = ("lattice", "bent grid", "triangles")
 LAKE_WINDOW = [-0.05, 3.05, -0.05, 2.05]
 TRUE_SPACING = 0.01  # of the polygon that stands for the true shore
-ACROSS = 0.75  # about how far the shores of lake and island are from each other
+SHORE_DISTANCE = 0.75  # about how far the shores of lake and island are from each other
 
 
 def lake_mesh(kind: str, size: float) -> Mesh:
@@ -41,7 +41,7 @@ def lake_mesh(kind: str, size: float) -> Mesh:
         return squares.select(inside_polygon(centers, *running_region(TRUE_SPACING)))
     if kind == "bent grid":
         turn = 2 * np.pi * np.arange(max(round(8 / size), 8)) / max(round(8 / size), 8)
-        rings = np.linspace(0, 1, max(round(ACROSS / size), 2) + 1)
+        rings = np.linspace(0, 1, max(round(SHORE_DISTANCE / size), 2) + 1)
         return ring_grid(island_shore(-turn), lake_shore(turn), rings)
     if kind == "triangles":
         return refine(Domain(*running_region(size)), size)

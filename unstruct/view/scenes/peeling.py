@@ -21,10 +21,12 @@ CUT_MESH = (
     ((0, 2), (3, 0), (7, 1), (6, 5), (2, 6), (3, 3), (5, 3)),
     ((0, 1, 5), (1, 6, 5), (1, 2, 6), (2, 3, 6), (3, 5, 6), (3, 4, 5), (4, 0, 5)),
 )
-CUT_WINDOW = [-1.0, 8.0, -0.9, 6.9]
+LINE_CUT_WINDOW = [-1.0, 8.0, -0.9, 6.9]
 
 
-def peeling_frames(points: Any, cells: Sequence[Sequence[int]], keep: int = 0) -> list[fr.Frame]:
+def peeling_frames(
+    points: Any, cells: Sequence[Sequence[int]], keep: int = 0, names: str = ""
+) -> list[fr.Frame]:
     """Remove triangles from a disk, always one that may go and the last such one, until one is left.
 
     Parameters
@@ -34,6 +36,8 @@ def peeling_frames(points: Any, cells: Sequence[Sequence[int]], keep: int = 0) -
         A triangulated disk.
     keep : int
         The triangle that stays.
+    names : str
+        A letter for each point; by default they have none.
 
     Returns
     -------
@@ -66,7 +70,8 @@ def peeling_frames(points: Any, cells: Sequence[Sequence[int]], keep: int = 0) -
         }
         items = [fr.polygons(name, points[[list(cells[t]) for t in ts]]) for name, ts in groups.items() if ts]
         used = sorted({v for row in rows for v in row})
-        items += [fr.dots("vertex", points[used]), fr.labels("vertex", points[used], used)]
+        items.append(fr.dots("vertex", points[used]))
+        items += [fr.labels("vertex", points[used], [names[v] for v in used])] if names else []
         n, e, t = face_counts(rows)
         caption = f"{len(left)} triangles" if len(left) > 1 else "one triangle: 3 − 3 + 1"
         frames.append(fr.frame(caption, *items, number=f"{n} − {e} + {t} = {n - e + t}", view=window))
@@ -129,7 +134,7 @@ def line_cut_state(offset: float = 3.25, slope: float = 0.25) -> fr.Frame:
     points, cells = CUT_MESH
     before = face_counts(cells)
     after, below, above = cut_counts(points, cells, offset, slope)
-    xs = np.array(CUT_WINDOW[:2])
+    xs = np.array(LINE_CUT_WINDOW[:2])
     new = {p for piece in below for p in piece} & {p for piece in above for p in piece}
     new -= {(Fraction(x), Fraction(y)) for x, y in points}
     items: list[Any] = [
@@ -144,4 +149,4 @@ def line_cut_state(offset: float = 3.25, slope: float = 0.25) -> fr.Frame:
     gained = [b - a for a, b in zip(before, after)]
     caption = "more vertices: {}, edges: {}, cells: {}".format(*gained)
     number = " → ".join(f"{n} − {e} + {t} = {n - e + t}" for n, e, t in (before, after))
-    return fr.frame(caption, *items, number=number, view=CUT_WINDOW)
+    return fr.frame(caption, *items, number=number, view=LINE_CUT_WINDOW)

@@ -83,7 +83,7 @@ def walk_state(x: float = 12.0, y: float = 9.0, mesh: str = "Delaunay") -> fr.Fr
     powers = walk_powers(found.corners[seen], q)
     falls = bool((np.diff(powers) < 0).all())
     number = f"power {powers[0]:.1f} → {powers[-1]:.1f}, " + (
-        "it falls at each step" if falls else "it rises"
+        "falling at each step" if falls else "not always falling"
     )
     middles = found.corners[seen].mean(axis=1)
     ends = [*pairwise(middles), (middles[-1], q)]
