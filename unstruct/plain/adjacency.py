@@ -18,9 +18,9 @@ Rows = Sequence[Sequence[int]]
 
 
 def neighbors(cells: Rows) -> list[list[int]]:
-    """For each cell and each of its vertices: the cell across the opposite facet, -1 for none."""
+    """For each cell and vertex: the cell across the opposite facet, -1 for none."""
     result = [[-1] * len(cell) for cell in cells]
-    waiting: dict[frozenset, tuple[int, int]] = {}  # facets that one cell has shown so far
+    waiting: dict[frozenset, tuple[int, int]] = {}  # shown by one cell so far
     done: set[frozenset] = set()
     for t, cell in enumerate(cells):
         for i, v in enumerate(cell):
@@ -43,13 +43,14 @@ def face_counts(cells: Rows) -> tuple[int, ...]:
 
 
 def removable(cells: Rows) -> list[int]:
-    """The cells whose removal leaves a disk a disk (in space: a ball a ball), and at least one cell."""
+    """The cells whose removal leaves a disk a disk (in space: a ball a ball)."""
     adjacent = neighbors(cells)
-    boundary = set()  # all vertices, edges, ... of all facets that one cell alone has
+    boundary = set()  # all vertices, edges, ... of facets that one cell alone has
     for cell, beyond in zip(cells, adjacent):
         for v, s in zip(cell, beyond):
             rest = [u for u in cell if s < 0 and u != v]
-            boundary |= {frozenset(face) for k in range(len(rest)) for face in combinations(rest, k + 1)}
+            for k in range(len(rest)):
+                boundary |= {frozenset(face) for face in combinations(rest, k + 1)}
     result = []
     for t, cell in enumerate(cells):
         opposite = frozenset(v for v, s in zip(cell, adjacent[t]) if s < 0)
@@ -59,17 +60,19 @@ def removable(cells: Rows) -> list[int]:
 
 
 def walk(points: Any, cells: Rows, adjacent: Rows, start: int, q: Any) -> list[int]:
-    """The cells on the way from ``start`` to the one that holds q; -1 at the end where the mesh ends.
+    """The cells on the way from ``start`` to one that contains q.
 
-    Crosses any facet that has q strictly on its other side. In a Delaunay mesh no cell comes twice (the
-    power of q with respect to the circumspheres falls, ties apart); elsewhere a walk may go in circles.
+    It ends with -1 where the mesh ends, and with a cell that it has visited before
+    where it goes in circles. In a planar Delaunay mesh it never does.
     """
     path = [start]
     while path[-1] >= 0 and path.count(path[-1]) == 1:
         t = path[-1]
         corners = [points[v] for v in cells[t]]
-        beyond = [i for i in range(len(corners)) if orient([*corners[:i], q, *corners[i + 1 :]]) < 0]
-        if not beyond:
+        for i in range(len(corners)):
+            if orient([*corners[:i], q, *corners[i + 1 :]]) < 0:  # q is beyond facet i
+                path.append(adjacent[t][i])
+                break
+        else:
             return path
-        path.append(adjacent[t][beyond[0]])
     return path
