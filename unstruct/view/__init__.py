@@ -104,6 +104,11 @@ from .scenes.space_recovery import edge_recovery_frames as edge_recovery_frames
 from .scenes.space_recovery import missing_edge_items as missing_edge_items
 from .scenes.space_slivers import sliver_state as sliver_state
 from .scenes.space_weights import weight_state as weight_state
+from .scenes.spoke_fans import SPOKE_NUMBERS as SPOKE_NUMBERS
+from .scenes.spoke_fans import SPOKE_RATIOS as SPOKE_RATIOS
+from .scenes.spoke_fans import equal_spokes as equal_spokes
+from .scenes.spoke_fans import spoke_frames as spoke_frames
+from .scenes.spoke_fans import spoke_history as spoke_history
 from .scenes.springs import SPRING_X as SPRING_X
 from .scenes.springs import SPRING_Y as SPRING_Y
 from .scenes.springs import spring_state as spring_state
@@ -122,6 +127,8 @@ from .scenes.surface_flips import ribbon as ribbon
 from .scenes.surface_flips import ribbon_flips as ribbon_flips
 from .scenes.surface_flips import surface_flip_frames as surface_flip_frames
 from .scenes.surface_flips import unrolled as unrolled
+from .scenes.swaps import CORNER_X as CORNER_X
+from .scenes.swaps import CORNER_Y as CORNER_Y
 from .scenes.swaps import QUADRILATERALS as QUADRILATERALS
 from .scenes.swaps import diagonal_choice_state as diagonal_choice_state
 from .scenes.swaps import swap_history as swap_history
@@ -143,6 +150,10 @@ from .scenes.trees import search_frames as search_frames
 from .scenes.twisted_prism import TWISTED_WALLS as TWISTED_WALLS
 from .scenes.twisted_prism import twisted_prism as twisted_prism
 from .scenes.twisted_prism import twisted_prism_state as twisted_prism_state
+from .scenes.two_angles import TWO_ANGLE_X as TWO_ANGLE_X
+from .scenes.two_angles import TWO_ANGLE_Y as TWO_ANGLE_Y
+from .scenes.two_angles import TWO_ANGLES as TWO_ANGLES
+from .scenes.two_angles import two_angle_state as two_angle_state
 from .scenes.visibility import FANS as FANS
 from .scenes.visibility import SIGHTS as SIGHTS
 from .scenes.visibility import fan_history as fan_history
