@@ -34,7 +34,6 @@ def chapters() -> list[Path]:
 # Chapters that do not have the form of the whole book yet: one that is rewritten leaves this list.
 OLD_FORM = (
     "2.4a",
-    "2.6d",
 )
 NEW_CHAPTERS = [path for path in chapters() if not path.name.startswith(OLD_FORM)]
 

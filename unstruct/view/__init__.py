@@ -39,6 +39,9 @@ from .scenes.centers import circumcenter_state as circumcenter_state
 from .scenes.constraints import principal_component_state as principal_component_state
 from .scenes.constraints import segment_history as segment_history
 from .scenes.constraints import segment_state as segment_state
+from .scenes.corner_states import CORNER_ANGLES as CORNER_ANGLES
+from .scenes.corner_states import CORNER_METHODS as CORNER_METHODS
+from .scenes.corner_states import corner_state as corner_state
 from .scenes.fold_states import FOLD_SHAPES as FOLD_SHAPES
 from .scenes.fold_states import fold_state as fold_state
 from .scenes.fold_states import folded as folded
@@ -70,6 +73,10 @@ from .scenes.peeling import CUT_MESH as CUT_MESH
 from .scenes.peeling import cut_counts as cut_counts
 from .scenes.peeling import line_cut_state as line_cut_state
 from .scenes.peeling import peeling_frames as peeling_frames
+from .scenes.parity_states import PARITY_OUTLINES as PARITY_OUTLINES
+from .scenes.parity_states import PARITY_PLACES as PARITY_PLACES
+from .scenes.parity_states import parity_frames as parity_frames
+from .scenes.parity_states import parity_state as parity_state
 from .scenes.pencils import PENCIL_WINDOW as PENCIL_WINDOW
 from .scenes.pencils import PENCILS as PENCILS
 from .scenes.pencils import pencil_state as pencil_state
@@ -95,6 +102,10 @@ from .scenes.rebay import voronoi_segment_state as voronoi_segment_state
 from .scenes.rebay_history import rebay_frames as rebay_frames
 from .scenes.rim_edges import RIM_BEYOND as RIM_BEYOND
 from .scenes.rim_edges import rim_edge_state as rim_edge_state
+from .scenes.slope_states import SLOPE_FEET as SLOPE_FEET
+from .scenes.slope_states import SLOPE_HEIGHTS as SLOPE_HEIGHTS
+from .scenes.slope_states import slope_bounds as slope_bounds
+from .scenes.slope_states import slope_state as slope_state
 from .scenes.space_frames import bodies as bodies
 from .scenes.space_frames import space_frame as space_frame
 from .scenes.space_fronts import front_items3 as front_items3
