@@ -32,6 +32,10 @@ from .draw.trees import plot_tree as plot_tree
 from .scenes import states as states
 from .scenes.cap_states import CAP_PAIRS as CAP_PAIRS
 from .scenes.cap_states import cap_state as cap_state
+from .scenes.cavity_search import CAPTURES as CAPTURES
+from .scenes.cavity_search import SEARCHES as SEARCHES
+from .scenes.cavity_search import captured_state as captured_state
+from .scenes.cavity_search import search_history as search_history
 from .scenes.centers import CENTERS as CENTERS
 from .scenes.centers import circumcenter_history as circumcenter_history
 from .scenes.centers import circumcenter_state as circumcenter_state
@@ -139,6 +143,8 @@ from .scenes.visibility import FANS as FANS
 from .scenes.visibility import SIGHTS as SIGHTS
 from .scenes.visibility import fan_history as fan_history
 from .scenes.visibility import sight_history as sight_history
+from .scenes.walks import WALKS as WALKS
+from .scenes.walks import walk_history as walk_history
 from .scenes.wedge_states import WEDGES as WEDGES
 from .scenes.wedge_states import wedge_coefficients as wedge_coefficients
 from .scenes.wedge_states import wedge_state as wedge_state
