@@ -34,7 +34,6 @@ def chapters() -> list[Path]:
 # Chapters that do not have the form of the whole book yet: one that is rewritten leaves this list.
 OLD_FORM = (
     "1-",
-    "2.4a",
     "2.4b",
     "2.6d",
 )
