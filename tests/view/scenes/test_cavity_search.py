@@ -76,3 +76,10 @@ def test_the_new_cell_captures_the_centers_of_what_goes(preset):
 def test_wrong_places_are_refused(wrong):
     with pytest.raises(InputError):
         captured_state(*wrong)
+
+
+def test_all_searches_fit_the_window_of_the_first():
+    """A panel shows all its presets in the window of the first frame."""
+    x0, x1, y0, y1 = search_history()[0]["view"]
+    for given in SEARCHES.values():
+        assert all(x0 < x < x1 and y0 < y < y1 for x, y in [*given["points"], given["P"]])

@@ -30,3 +30,10 @@ def test_walks(preset):
 def test_an_unknown_walk_is_refused():
     with pytest.raises(InputError, match="no preset"):
         walk_history("uphill")
+
+
+def test_all_walks_fit_the_window_of_the_first():
+    """A panel shows all its presets in the window of the first frame."""
+    x0, x1, y0, y1 = walk_history()[0]["view"]
+    for given in WALKS.values():
+        assert all(x0 < x < x1 and y0 < y < y1 for x, y in [*given["points"], given["P"]])

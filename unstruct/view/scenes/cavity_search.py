@@ -30,7 +30,7 @@ AT_INFINITY = -1
 EIGHT = [(0, 0), (6, -1), (9, 3), (6, 7), (1, 6), (3, 2), (6, 3), (4, 5)]
 SEARCHES: dict[str, dict[str, Any]] = {
     "inside of the hull": {"points": EIGHT, "P": (3, 3)},
-    "outside of the hull": {"points": EIGHT, "P": (9.5, 4)},
+    "outside of the hull": {"points": EIGHT, "P": (9, 5)},
     "on an edge of the hull": {"points": EIGHT, "P": (7.5, 5)},
     "ties: a lattice": {
         "points": [(x, y) for y in (0, 2, 4) for x in (0, 2, 4, 6) if (x, y) != (2, 2)],
