@@ -33,7 +33,7 @@ from .scenes import states as states
 from .scenes.cap_states import CAP_PAIRS as CAP_PAIRS
 from .scenes.cap_states import cap_state as cap_state
 from .scenes.cavity_search import CAPTURES as CAPTURES
-from .scenes.cavity_search import SEARCHES as SEARCHES
+from .scenes.cavity_search import INSERTION_CASES as INSERTION_CASES
 from .scenes.cavity_search import captured_state as captured_state
 from .scenes.cavity_search import search_history as search_history
 from .scenes.centers import CENTERS as CENTERS

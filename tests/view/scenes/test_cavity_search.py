@@ -11,17 +11,17 @@ from unstruct import InputError, view
 from unstruct.plain import bowyer_watson as bw
 from unstruct.plain.predicates import in_sphere
 from unstruct.plain.voronoi import circumcenter
-from unstruct.view.scenes.cavity_search import CAPTURES, SEARCHES, captured_state, search_history
+from unstruct.view.scenes.cavity_search import CAPTURES, INSERTION_CASES, captured_state, search_history
 
 
 def shapes(one, role):
     return sum(len(i["data"]) for i in one["items"] if i["kind"] == "polygons" and i["role"] == role)
 
 
-@pytest.mark.parametrize("preset", SEARCHES)
+@pytest.mark.parametrize("preset", INSERTION_CASES)
 def test_the_search_is_the_plain_insertion(preset):
     """What goes, ghosts included, the edges and the star: as in the plain version, which has no adjacency."""
-    frames, given = search_history(preset), SEARCHES[preset]
+    frames, given = search_history(preset), INSERTION_CASES[preset]
     assert 7 <= len(frames) <= 14 and len({tuple(one["view"]) for one in frames}) == 1
     for one in frames:
         view.check_frame(one)
@@ -40,7 +40,7 @@ def test_the_search_is_the_plain_insertion(preset):
 
 
 def test_every_kind_of_cell_is_asked():
-    said = " ".join(one["caption"] for preset in SEARCHES for one in search_history(preset))
+    said = " ".join(one["caption"] for preset in INSERTION_CASES for one in search_history(preset))
     for words in ("its ghost goes", "its ghost stays", "on the edge", "on the circle", "in its ghost"):
         assert words in said
     with pytest.raises(InputError, match="no preset"):
@@ -81,5 +81,5 @@ def test_wrong_places_are_refused(wrong):
 def test_all_searches_fit_the_window_of_the_first():
     """A panel shows all its presets in the window of the first frame."""
     x0, x1, y0, y1 = search_history()[0]["view"]
-    for given in SEARCHES.values():
+    for given in INSERTION_CASES.values():
         assert all(x0 < x < x1 and y0 < y < y1 for x, y in [*given["points"], given["P"]])

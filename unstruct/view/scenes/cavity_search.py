@@ -22,13 +22,13 @@ from ..draw import frames as fr
 from ..draw.plots import dual_segments
 from .choices import preset_named, within
 
-__all__ = ["CAPTURES", "SEARCHES", "captured_state", "search_history"]
+__all__ = ["CAPTURES", "INSERTION_CASES", "captured_state", "search_history"]
 
 Cell = tuple[int, int, int]
 AT_INFINITY = -1
 
 EIGHT = [(0, 0), (6, -1), (9, 3), (6, 7), (1, 6), (3, 2), (6, 3), (4, 5)]
-SEARCHES: dict[str, dict[str, Any]] = {
+INSERTION_CASES: dict[str, dict[str, Any]] = {
     "inside of the hull": {"points": EIGHT, "P": (3, 3)},
     "outside of the hull": {"points": EIGHT, "P": (9, 5)},
     "on an edge of the hull": {"points": EIGHT, "P": (7.5, 5)},
@@ -50,7 +50,7 @@ def search_history(preset: str = "inside of the hull") -> list[fr.Frame]:
     Parameters
     ----------
     preset : str
-        A key of `SEARCHES`. The nasty one starts from a triangulation that is not Delaunay, where a search
+        A key of `INSERTION_CASES`. The nasty one starts from a triangulation that is not Delaunay, where a search
         from neighbor to neighbor misses a circle that contains P.
 
     Returns
@@ -58,7 +58,7 @@ def search_history(preset: str = "inside of the hull") -> list[fr.Frame]:
     list of dict
         Between 7 and 14 frames. Ghosts are asked only if P is not strictly inside of the hull.
     """
-    given = preset_named(SEARCHES, preset)
+    given = preset_named(INSERTION_CASES, preset)
     points = np.array(given["points"], dtype=float)
     p = np.array(given["P"], dtype=float)
     mesh = Mesh(points, given["cells"]).oriented() if "cells" in given else delaunay(points)
