@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from ...sizing.field import SizeField, as_size
 from .cleaning import Cleaned, cleaned
 from .distances import curve_deviation
 from .measuring import FLAT_TRIANGLE, INVERTED, TOO_FAR_OFF
+from .near_sheets import KEEPINGS, MOST_TIMES, creases_near, keeping
 from .needles import without_needles
 from .own_crossings import OWN_CROSSING
 from .run import ALLOWED, KEPT_TO, REMESH_ROUNDS, RemeshRun
@@ -131,16 +132,64 @@ def remesh(
     clean = cleaned(surface)
     if onto is not None:
         clean = clean._replace(surface=_true(clean.surface, onto, field, within, most))
-    given = without_needles(directed(given_surface(clean.surface, sharp)))
-    run, group, seams = _begun(given, field, within, most)
+    given = directed(given_surface(clean.surface, sharp))
     with progress_bar(progress, " rounds", total=REMESH_ROUNDS) as bar:
+        attempt = _least_crossing(given, field, (within, sharp), most, bar)
+    if onto is not None:
+        run, factor = attempt.run, given.support.factor
+        run.put(nearest_by(onto, run.complex.sheets.xyz[: run.used] / factor) * factor)
+        attempt = attempt._replace(crossing=run.crossing())
+    return noticed(_account(attempt, clean, sharp))
+
+
+class Attempt(NamedTuple):
+    """A remeshed surface.
+
+    Attributes
+    ----------
+    given : GivenSurface
+        With the edges that are kept because sheets are near each other.
+    run : RemeshRun
+    crossing : tuple of two (k,) int64
+        As of `RemeshRun.crossing`.
+    group : (m,) int64
+        For each name of a triangle one that is given.
+    seams : int
+        The number of edges that are divided first.
+    """
+
+    given: GivenSurface
+    run: RemeshRun
+    crossing: tuple[NDArray[np.int64], NDArray[np.int64]]
+    group: NDArray[np.int64]
+    seams: int
+
+
+def _least_crossing(
+    given: GivenSurface, field: SizeField, limits: tuple[float | None, float | None], most: int, bar: Any
+) -> Attempt:
+    """The surface remeshed, with given edges kept where triangles cross that no smaller size helps.
+
+    ``limits`` are the deviation and the angle of creases.
+    """
+    (within, sharp), best, least, room = limits, None, np.inf, most
+    for _ in range(1 + KEEPINGS):
+        run, group, seams = _begun(without_needles(given), field, within, room)
         run.run(bar)
         crossing = run.untangle(bar)
-    if onto is not None:
-        factor = given.support.factor
-        run.put(nearest_by(onto, run.complex.sheets.xyz[: run.used] / factor) * factor)
-        crossing = run.crossing()
-    return noticed(_account(given, clean, run, crossing, group, seams, sharp))
+        area = run.area(crossing[0])
+        if best is not None and (area >= least or (run.short and room < most)):
+            break
+        best, least = Attempt(given, run, crossing, group, seams), area
+        if area == 0.0 or run.short:
+            break
+        edges = creases_near(run.support, run.corners(crossing[0]))
+        given = keeping(given, edges, sharp)
+        room = min(room, MOST_TIMES * (run.used + len(given.support.points)))
+        if len(given.support.features) == len(best.given.support.features):
+            break
+    assert best is not None
+    return best
 
 
 def _true(surface: Any, onto: Any, field: SizeField, within: float | None, most: int) -> Mesh:
@@ -185,16 +234,9 @@ def _begun(
     return RemeshRun(support, complex, field, within, most), first, seams
 
 
-def _account(
-    given: GivenSurface,
-    clean: Cleaned,
-    run: RemeshRun,
-    crossing: tuple[NDArray[np.int64], NDArray[np.int64]],
-    group: NDArray[np.int64],
-    seams: int,
-    sharp: float | None,
-) -> DomainMesh:
+def _account(attempt: Attempt, clean: Cleaned, sharp: float | None) -> DomainMesh:
     """The mesh with its names, and what is to be said of it."""
+    given, run, crossing, group, seams = attempt
     support, taken, s = given.support, run.complex.taken(), run.complex.sheets
     points = taken.points / support.factor
     origin = np.full(len(points), -1, dtype=np.int32)

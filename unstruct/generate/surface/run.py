@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...connect.insertion.halfedges import UNUSED
 from ...connect.surface.complex import SurfaceComplex
-from ...connect.surface.halfedges import SEAM_CURVES, SURFACE_SLOTS, SURFACE_VERTICES
+from ...connect.surface.halfedges import SEAM_CURVES, SURFACE_SLOTS, SURFACE_VERTICES, Sheets
 from ...geometry.edge_vectors import lengths
 from ...geometry.embedded import meeting_pairs
 from ...geometry.support import Support
@@ -21,6 +21,7 @@ from .flips import count_degrees, flip_pass
 from .lengths import LONG_SHARE, collapse_pass, split_pass
 from .measuring import FLAT_TRIANGLE, TOO_FAR_OFF, crease_pass, faults_pass, grade_pass, lower_pass
 from .moves import move_pass, put_pass, settle_pass
+from .near_sheets import HELPED, total_area
 from .own_crossings import OwnCrossings
 from .seams import follow_sizes
 from .shapes import COLLAPSES, FLIPS_DONE, SPLITS_DONE, RemeshWork
@@ -47,7 +48,7 @@ SETTLED = 0.002  # changes per vertex in a round after which no other follows
 MENDS = 5
 NEAR_CROSSING = 4.0  # sizes from crossings in which triangles are looked at again
 SEPARATIONS = 3  # times that sizes are lowered where creases are near each other
-UNTANGLED = 4  # times that sizes are halved where triangles cross
+UNTANGLED = 4  # times that sizes are halved where triangles cross, as long as that helps
 NOT_NEARER = 2.0**-50  # in scaled coordinates, up to 1: what is allowed at least, for vertices are rounded
 PLACES_AT_ONCE = 1 << 17  # places that a kernel looks at in one call
 GROWN = 0.5  # share of spare vertices by which arrays grow
@@ -304,11 +305,15 @@ class RemeshRun:
         return slots[np.unique(pairs[~own])], slots[np.unique(pairs[own])]
 
     def untangle(self, bar: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Smaller sizes where triangles cross, but where the given surface does; `crossing` in the end."""
+        """Smaller sizes where triangles cross, but where the given surface does; `crossing` in the end.
+
+        If a half of the size does not help, the mesh is again what it was before.
+        """
         found = self.crossing()
         for _ in range(UNTANGLED):
             if not len(found[0]):
                 break
+            before, area = self.state(), self.area(found[0])
             s = self.complex.sheets
             corners = np.unique(s.vertex[3 * found[0][:, None] + np.arange(3)])
             s.cap[corners] = np.minimum(s.cap[corners], 0.5 * s.size[corners])
@@ -318,8 +323,30 @@ class RemeshRun:
             self.finish(places)
             self.settle()
             bar.update()
-            found = self.crossing()
+            now = self.crossing()
+            if self.area(now[0]) > HELPED * area:
+                self.restore(before)
+                break
+            found = now
         return found
+
+    def corners(self, slots: NDArray[np.int64]) -> Array:
+        """The corners of some triangles: (k, 3, 3)."""
+        s = self.complex.sheets
+        return s.xyz[s.vertex[3 * slots[:, None] + np.arange(3)]]
+
+    def area(self, slots: NDArray[np.int64]) -> float:
+        """The area of some triangles."""
+        return total_area(self.corners(slots))
+
+    def state(self) -> tuple[Any, ...]:
+        """All that changes, as it is now."""
+        arrays = Sheets(*(array.copy() for array in self.complex.sheets))
+        return arrays, self.complex.master.copy(), self.counts.copy(), self.off.copy(), self.short
+
+    def restore(self, state: tuple[Any, ...]) -> None:
+        """Go back to what `state` returned."""
+        self.complex.sheets, self.complex.master, self.counts, self.off, self.short = state
 
     def settle(self) -> None:
         """Move vertices onto the surface that are beside it, and note where that is impossible."""
