@@ -178,15 +178,16 @@ def _least_crossing(
         run.run(bar)
         crossing = run.untangle(bar)
         area = run.area(crossing[0])
-        if best is not None and (area >= least or (run.short and room < most)):
+        if best is not None and run.short and room < most:
             break
-        best, least = Attempt(given, run, crossing, group, seams), area
+        if best is None or area < least:
+            best, least = Attempt(given, run, crossing, group, seams), area
         if area == 0.0 or run.short:
             break
-        edges = creases_near(run.support, run.corners(crossing[0]))
-        given = keeping(given, edges, sharp)
+        before = len(given.support.features)
+        given = keeping(given, creases_near(run.support, run.crossed), sharp)
         room = min(room, MOST_TIMES * (run.used + len(given.support.points)))
-        if len(given.support.features) == len(best.given.support.features):
+        if len(given.support.features) == before:
             break
     assert best is not None
     return best

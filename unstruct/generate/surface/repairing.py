@@ -84,8 +84,9 @@ def repaired(given: GivenSurface, wanted: Wanted, bar: Any) -> Repaired:
     plain = _once(given, wanted, bar, False)
     room = MOST_TIMES * (len(plain.straight.points) + len(given.support.points))
     limited, kept = wanted._replace(budget=min(room, wanted.budget)), given
+    meeting = np.concatenate([plain.meeting, found.meeting])
     for _ in range(KEEPINGS):
-        other = keeping(kept, creases_near(kept.support, found.meeting), wanted.sharp)
+        other = keeping(kept, creases_near(kept.support, meeting), wanted.sharp)
         if len(other.support.features) == len(kept.support.features):
             break
         found, kept = _once(other, limited, bar, True), other
@@ -93,6 +94,7 @@ def repaired(given: GivenSurface, wanted: Wanted, bar: Any) -> Repaired:
             return plain
         if not found.vain:
             return found
+        meeting = found.meeting
     if kept is given:
         return plain
     found = _once(kept, limited, bar, False)

@@ -81,6 +81,7 @@ class RemeshRun:
         self.short = False  # whether the budget did not suffice
         self.off = np.zeros(0, dtype=np.bool_)  # vertices that could not be moved onto the surface
         self.own = OwnCrossings(support)
+        self.crossed = np.zeros((0, 3, 3))  # the corners of triangles that crossed before sizes were lowered
         self.seams = bool((complex.sheets.curve >= SEAM_CURVES).any())
         self.refresh()
 
@@ -310,6 +311,7 @@ class RemeshRun:
         If a half of the size does not help, the mesh is again what it was before.
         """
         found = self.crossing()
+        self.crossed = self.corners(found[0])
         for _ in range(UNTANGLED):
             if not len(found[0]):
                 break
@@ -328,6 +330,7 @@ class RemeshRun:
                 self.restore(before)
                 break
             found = now
+        self.crossed = np.concatenate([self.crossed, self.corners(found[0])])
         return found
 
     def corners(self, slots: NDArray[np.int64]) -> Array:

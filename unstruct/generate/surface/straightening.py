@@ -111,13 +111,14 @@ def faulty(run: IntrinsicRun, straight: Straight) -> Faulty:
     sides = _in_doubt(run, straight)
     if len(sides):
         return Faulty(sides, np.unique(sides // 3), "edges with the same ends as others")
-    corner = straight.points[straight.triangles]
+    factor = run.found.factor  # squares of lengths are finite in scaled coordinates
+    corner = (straight.points * factor)[straight.triangles]
     same = _same_rows(straight.triangles)
     if len(same):
         return Faulty(_longest(run, same), same, "triangles with the same corners as others")
     normal = unit_normals(corner)
     weights = np.full((len(corner), 3), 1.0 / 3.0)
-    middle = (corner * weights[:, :, None]).sum(axis=1)
+    middle = (corner * weights[:, :, None]).sum(axis=1) / factor
     near, _, _ = run.given.support.nearest(middle, hint=run.found.sides.label, normals=normal)
     along = run.given.support.normals[near]
     against = np.flatnonzero((normal * along).sum(axis=1) <= 0.0)
