@@ -18,13 +18,15 @@ from ...geometry.edge_vectors import lengths
 from ...geometry.support import Support
 from ...geometry.support_features import side_groups
 
-__all__ = ["HELPED", "KEEPINGS", "MOST_TIMES", "creases_near", "keeping", "total_area"]
+__all__ = ["GROWN_MUCH", "HELPED", "KEEPINGS", "MOST_TIMES", "creases_near", "keeping", "total_area"]
 
 Array = NDArray[np.float64]
 STRAIGHT_ON = 2.0**-44  # in scaled coordinates, up to 1: edges at which the surface bends by less are left
-KEEPINGS = 3  # times that edges are kept where triangles still cross
+FARTHER = 3.0  # as far from triangles that cross are edges kept each time
+KEEPINGS = 4  # times that edges are kept where triangles still cross
 HELPED = 0.5  # of the area of triangles that cross: if more is left, halving edges does not help
-MOST_TIMES = 4  # as many vertices as before and as given, together: with more, kept edges are no remedy
+GROWN_MUCH = 2.0  # times as many triangles as before halving: with more, it costs too much
+MOST_TIMES = 2  # as many vertices as before and as given, together: with more, kept edges are no remedy
 
 
 def total_area(corners: Array) -> float:
@@ -49,8 +51,8 @@ def _bent(support: Support) -> NDArray[np.int64]:
     return np.stack([flat[chosen], flat[chosen - chosen % 3 + (chosen + 1) % 3]], axis=1)
 
 
-def creases_near(support: Support, corners: Array) -> NDArray[np.int64]:
-    """The bent edges of a given surface under triangles, and around them as far as these are large: (k, 2).
+def creases_near(support: Support, corners: Array, kept: int) -> NDArray[np.int64]:
+    """The bent edges of a given surface under triangles and around them: (k, 2).
 
     Without those that are features already.
 
@@ -58,18 +60,21 @@ def creases_near(support: Support, corners: Array) -> NDArray[np.int64]:
     ----------
     corners : (t, 3, 3)
         In scaled coordinates.
+    kept : int
+        How often edges were kept before: each time, three times as far from the triangles; at first as far as
+        these are large.
     """
     edges = _bent(support)
     n = len(support.points)
-    kept = np.sort(support.features, axis=1)
+    old = np.sort(support.features, axis=1)
     edges = np.sort(edges, axis=1)
-    edges = edges[~np.isin(edges[:, 0] * n + edges[:, 1], kept[:, 0] * n + kept[:, 1])]
+    edges = edges[~np.isin(edges[:, 0] * n + edges[:, 1], old[:, 0] * n + old[:, 1])]
     if not len(edges) or not len(corners):
         return np.empty((0, 2), dtype=np.int64)
-    longest = lengths(corners - corners[:, [1, 2, 0]]).max(axis=1)[:, None]
+    reach = FARTHER**kept * lengths(corners - corners[:, [1, 2, 0]]).max(axis=1)[:, None]
     low, high = bounding_boxes(corners)
     ends = support.points[edges] * support.factor
-    around = BoxTree(low - longest, high + longest)
+    around = BoxTree(low - reach, high + reach)
     return edges[np.unique(around.pairs(*bounding_boxes(ends))[0])]
 
 

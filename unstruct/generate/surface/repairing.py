@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...domain.given_surface import GivenSurface
 from ...sizing.field import SizeField
 from .intrinsic_run import IntrinsicRun
-from .near_sheets import HELPED, KEEPINGS, MOST_TIMES, creases_near, keeping, total_area
+from .near_sheets import GROWN_MUCH, HELPED, KEEPINGS, MOST_TIMES, creases_near, keeping, total_area
 from .straightening import MEETS_OTHERS, Faulty, Straight, faulty, straightened, too_far
 
 __all__ = ["Repaired", "Wanted", "repaired"]
@@ -67,7 +67,7 @@ class Repaired(NamedTuple):
     @property
     def meeting(self) -> NDArray[np.float64]:
         """The corners of the triangles that meet others, in scaled coordinates: (k, 3, 3)."""
-        rows = self.wrong.triangles if self.wrong.text == MEETS_OTHERS else []
+        rows = self.wrong.triangles[: None if self.wrong.text == MEETS_OTHERS else 0]
         points = self.straight.points * self.run.found.factor
         return points[self.straight.triangles[rows]].reshape(-1, 3, 3)
 
@@ -85,8 +85,8 @@ def repaired(given: GivenSurface, wanted: Wanted, bar: Any) -> Repaired:
     room = MOST_TIMES * (len(plain.straight.points) + len(given.support.points))
     limited, kept = wanted._replace(budget=min(room, wanted.budget)), given
     meeting = np.concatenate([plain.meeting, found.meeting])
-    for _ in range(KEEPINGS):
-        other = keeping(kept, creases_near(kept.support, meeting), wanted.sharp)
+    for times in range(KEEPINGS):
+        other = keeping(kept, creases_near(kept.support, meeting, times), wanted.sharp)
         if len(other.support.features) == len(kept.support.features):
             break
         found, kept = _once(other, limited, bar, True), other
@@ -107,7 +107,7 @@ def _once(given: GivenSurface, wanted: Wanted, bar: Any, halving: bool) -> Repai
     rows = given.support.held.rows.astype(np.int32)
     run = IntrinsicRun(given, rows, wanted.size, wanted.angle, wanted.budget, bar)
     run.refine()
-    early, areas, near = run.out_of_budget, [], wanted.near
+    early, areas, near, first = run.out_of_budget, [], wanted.near, 0
     for tries in range(REPAIRS + 1):
         straight, measured = straightened(run), -1.0
         wrong, far = faulty(run, straight), np.empty(0, dtype=np.int64)
@@ -120,7 +120,10 @@ def _once(given: GivenSurface, wanted: Wanted, bar: Any, halving: bool) -> Repai
         if meets and halving:
             corners = straight.points[straight.triangles[wrong.triangles]]
             areas.append(total_area(corners * run.found.factor))
+            first = first or len(straight.triangles)
             if len(areas) > 2 and areas[-1] > HELPED * areas[-3]:
+                break
+            if len(straight.triangles) > GROWN_MUCH * first:
                 break
         if len(far):
             run.want_less(far, excess)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...connect.insertion.halfedges import UNUSED
 from ...connect.surface.complex import SurfaceComplex
-from ...connect.surface.halfedges import SEAM_CURVES, SURFACE_SLOTS, SURFACE_VERTICES, Sheets
+from ...connect.surface.halfedges import SEAM_CURVES, SURFACE_SLOTS, SURFACE_VERTICES
 from ...geometry.edge_vectors import lengths
 from ...geometry.embedded import meeting_pairs
 from ...geometry.support import Support
@@ -42,6 +42,8 @@ LEAST_SHARE = 0.125  # the part of the wanted size below which it is not lowered
 RELAXED = 1.3  # by how much a lowered size may rise again from one measurement to the next
 TARGETS = (30.0, 35.0, 38.0, 40.0)  # degrees below which triangles are sharp, one after the other
 SHARP_SWEEPS = 12  # over triangles that are sharp, for each of them
+CREEPING_SWEEPS = 5  # where the surface leaves no room, vertices creep on and on, by less and less
+CREEPING_SHARE = 0.01  # of all triangles: as many are improved in sweep after sweep, and it is left at that
 LEAST_TARGET = 35.0  # the same where triangles were split because they were too far from the surface
 LOOSE = 2.25  # the slack of rounds: the end mends what is left too far
 SETTLED = 0.002  # changes per vertex in a round after which no other follows
@@ -248,8 +250,11 @@ class RemeshRun:
         target = float(np.sin(np.deg2rad(degrees))) ** 2
         if tried is None:
             tried = np.zeros(len(self.complex.sheets.name), dtype=np.bool_)
+        done: list[int] = []
         for _ in range(SHARP_SWEEPS):
-            if self.sweep(sharpest_pass, self.slots, target, tried) == 0:
+            done.append(self.sweep(sharpest_pass, self.slots, target, tried))
+            creeping = len(done) >= CREEPING_SWEEPS and done[-1] > 0.5 * done[1]
+            if done[-1] == 0 or (creeping and done[-1] > CREEPING_SHARE * self.slots):
                 return
 
     def faults(self) -> NDArray[np.int8]:
@@ -344,7 +349,8 @@ class RemeshRun:
 
     def state(self) -> tuple[Any, ...]:
         """All that changes, as it is now."""
-        arrays = Sheets(*(array.copy() for array in self.complex.sheets))
+        s = self.complex.sheets
+        arrays = s._replace(**{name: getattr(s, name).copy() for name in s._fields})
         return arrays, self.complex.master.copy(), self.counts.copy(), self.off.copy(), self.short
 
     def restore(self, state: tuple[Any, ...]) -> None:

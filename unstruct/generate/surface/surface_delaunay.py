@@ -73,13 +73,14 @@ def surface_delaunay(
     DomainMesh
         Triangles in space. ``origin``: the given vertex or -1. ``markers``: names of facets, values of cells,
         and names of edges. ``counts``: "flips", "inserted", "own crossings" (pairs of given triangles that
-        cross, where the mesh does, too), and how many triangles fail which criterion ("not
-        plane-centered", "not intrinsic" in edges). ``figures``: "deviation", the larger of the distances
-        measured both ways, and "sharp" as given, 0 for None. ``unrefined`` lists, without new vertices, the
-        triangles whose plane-centered sphere has a vertex inside, with the reason: there need be no
-        triangulation without them. With new vertices it lists the triangles that are larger or sharper (on
-        the surface) than wanted, or not as near, or that cross others; where the given surface crosses itself
-        nothing is refined for that.
+        cross, where the mesh does, too), "kept edges" (given ones, for parts that are near each other), how
+        many triangles fail which criterion ("not plane-centered", "not intrinsic" in edges), and what was
+        wrong with the given ones, as of `remesh`: repeated ones count once. ``figures``: "deviation", the
+        larger of the distances measured both ways, and "sharp" as given, 0 for None. ``unrefined`` lists,
+        without new vertices, the triangles whose plane-centered sphere has a vertex inside, with the reason:
+        there need be no triangulation without them; with new vertices, those that are larger or sharper (on
+        the surface) than wanted, or not as near; and those that cross others. Where the given surface
+        crosses itself nothing is refined for that.
 
     Raises
     ------
@@ -97,8 +98,9 @@ def surface_delaunay(
     *With new vertices*, edges are first flipped along the surface until it is intrinsic Delaunay, then
     circumcenters of bad triangles are put, found by lines on the surface (`intrinsic_run`, with the bound of
     30 degrees and its hypotheses), then the edges are made straight. Where straight triangles would meet,
-    face the wrong way or be too far from the surface, edges are halved. All vertices lie on given triangles,
-    kept edges on given edges, up to rounding. O(m log m) in practice.
+    face the wrong way or be too far from the surface, edges are halved; where that does not help, as parts of
+    the surface are very near each other, given edges are kept (`near_sheets`). All vertices lie on given
+    triangles, kept edges on given edges, up to rounding. O(m log m) in practice.
 
     Source: N. Sharp, Y. Soliman and K. Crane, *Navigating intrinsic triangulations*, ACM Trans. Graphics 38
     (2019). Book: 2.7.
@@ -115,7 +117,9 @@ def surface_delaunay(
     field = None if size is None else as_size(size)
     angle = USUAL_LEAST_ANGLE if min_angle is None else float(min_angle)
     with progress_bar(progress, "", desc="vertices") as bar:
-        return noticed(_meshed(repaired(given, Wanted(field, angle, near, sharp, most), bar), clean, turn))
+        found = repaired(given, Wanted(field, angle, near, sharp, most), bar)
+        kept = len(found.run.given.support.features) - len(given.support.features)
+        return noticed(_meshed(found, clean._replace(counts=clean.counts | {"kept edges": kept}), turn))
 
 
 def _checked(min_angle: Any, deviation: Any) -> float | None:
@@ -161,8 +165,8 @@ def _flipped(given: GivenSurface, clean: Cleaned, near: float | None, turn: floa
     return DomainMesh(
         points, triangles, origin=used.astype(np.int32), markers=markers, regions=clean.regions,
         unrefined=bad, reasons=why[bad].tolist(),
-        counts={"flips": found.flips, "inserted": 0, "own crossings": own.count} | _failures(criteria)
-        | clean.counts,
+        counts={"flips": found.flips, "inserted": 0, "own crossings": own.count, "kept edges": 0}
+        | _failures(criteria) | clean.counts,
         figures={"deviation": measured, "sharp": turn},
     )  # fmt: skip
 
