@@ -174,7 +174,7 @@ def test_a_budget_that_ends_repairs_is_told() -> None:
         assert all("budget" in why or NEAR_OTHERS in why or "meet" in why for why in mesh.reasons)
 
 
-@pytest.mark.parametrize("power", [-1000, -500, 500, 1000])
+@pytest.mark.parametrize("power", [-900, -500, 500, 1000])
 def test_units_of_length_whose_squares_no_double_can_hold(power: int) -> None:
     """At 1e150 normals were not finite, and all triangles faced the wrong way."""
     one = shell(1e-4)
