@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -349,9 +350,8 @@ class RemeshRun:
 
     def state(self) -> tuple[Any, ...]:
         """All that changes, as it is now."""
-        s = self.complex.sheets
-        arrays = s._replace(**{name: getattr(s, name).copy() for name in s._fields})
-        return arrays, self.complex.master.copy(), self.counts.copy(), self.off.copy(), self.short
+        complex = self.complex
+        return deepcopy((complex.sheets, complex.master, self.counts, self.off, self.short))
 
     def restore(self, state: tuple[Any, ...]) -> None:
         """Go back to what `state` returned."""
