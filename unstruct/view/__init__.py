@@ -142,6 +142,12 @@ from .scenes.visibility import sight_history as sight_history
 from .scenes.wedge_states import WEDGES as WEDGES
 from .scenes.wedge_states import wedge_coefficients as wedge_coefficients
 from .scenes.wedge_states import wedge_state as wedge_state
+from .scenes.wish_states import AHEAD_X as AHEAD_X
+from .scenes.wish_states import AHEAD_Y as AHEAD_Y
+from .scenes.wish_states import CORNER_ANGLES as CORNER_ANGLES
+from .scenes.wish_states import CORNER_WINDOW as CORNER_WINDOW
+from .scenes.wish_states import ahead_state as ahead_state
+from .scenes.wish_states import corner_state as corner_state
 from .widgets.center_widgets import circumcenters as circumcenters
 from .widgets.constraint_widgets import constrained_insertion as constrained_insertion
 from .widgets.constraint_widgets import principal_component as principal_component
