@@ -87,6 +87,11 @@ from .scenes.rebay import voronoi_segment_state as voronoi_segment_state
 from .scenes.rebay_history import rebay_frames as rebay_frames
 from .scenes.rim_edges import RIM_BEYOND as RIM_BEYOND
 from .scenes.rim_edges import rim_edge_state as rim_edge_state
+from .scenes.room_states import ROOM_CORNERS as ROOM_CORNERS
+from .scenes.room_states import ROOM_WALLS as ROOM_WALLS
+from .scenes.room_states import ROOM_X as ROOM_X
+from .scenes.room_states import ROOM_Y as ROOM_Y
+from .scenes.room_states import room_state as room_state
 from .scenes.space_frames import bodies as bodies
 from .scenes.space_frames import space_frame as space_frame
 from .scenes.space_fronts import front_items3 as front_items3
