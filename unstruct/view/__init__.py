@@ -62,6 +62,11 @@ from .scenes.lifts import LIFT_CENTERS as LIFT_CENTERS
 from .scenes.lifts import LIFT_RADII as LIFT_RADII
 from .scenes.lifts import LIFT_WINDOW as LIFT_WINDOW
 from .scenes.lifts import lift_state as lift_state
+from .scenes.metric_states import METRIC_ACROSS as METRIC_ACROSS
+from .scenes.metric_states import METRIC_ALONG as METRIC_ALONG
+from .scenes.metric_states import METRIC_TURNS as METRIC_TURNS
+from .scenes.metric_states import METRIC_WINDOW as METRIC_WINDOW
+from .scenes.metric_states import metric_state as metric_state
 from .scenes.pencils import PENCIL_WINDOW as PENCIL_WINDOW
 from .scenes.pencils import PENCILS as PENCILS
 from .scenes.pencils import pencil_state as pencil_state
