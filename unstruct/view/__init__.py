@@ -103,6 +103,7 @@ from .scenes.space_fronts import front_items3 as front_items3
 from .scenes.space_fronts import space_front_frames as space_front_frames
 from .scenes.space_insertion import space_insertion_frames as space_insertion_frames
 from .scenes.space_march_states import MARCH_SIDES as MARCH_SIDES
+from .scenes.space_march_states import MARCH_WINDOW as MARCH_WINDOW
 from .scenes.space_march_states import MARCHES as MARCHES
 from .scenes.space_march_states import march_state as march_state
 from .scenes.space_recovery import edge_recovery_frames as edge_recovery_frames

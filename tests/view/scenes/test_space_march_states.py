@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from unstruct import InputError
 from unstruct.view import check_frame
-from unstruct.view.scenes.space_march_states import MARCH_SIDES, MARCHES, march_state
+from unstruct.view.scenes.space_march_states import MARCH_SIDES, MARCH_WINDOW, MARCHES, march_state
 
 
 @pytest.mark.parametrize("body", list(MARCHES))
@@ -20,6 +21,10 @@ def test_the_whole_range_of_marches(body: str) -> None:
         assert [one["caption"] for one in turned] == captions
         for one in turned:
             check_frame(one)
+            for item in one["items"]:
+                if item["kind"] == "polygons":
+                    xy = np.concatenate([np.asarray(row) for row in item["data"]])
+                    assert (np.abs(xy) <= MARCH_WINDOW[1] - 0.05).all()
 
 
 def test_another_body_is_refused() -> None:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from ...base.errors import InputError
 from ...examples.stuck_fronts import stuck_body
@@ -12,7 +15,9 @@ from ...plain.space_places import Face, lowest
 from ..draw import frames as fr
 from .space_fronts import space_front_frames
 
-__all__ = ["MARCHES", "MARCH_SIDES", "march_state"]
+__all__ = ["MARCHES", "MARCH_SIDES", "MARCH_WINDOW", "march_state"]
+
+MARCH_WINDOW = (-1.1, 1.1, -1.1, 1.1)  # contains all bodies from all sides
 
 MARCH_SIDES = list(range(-170, 190, 20))  # degrees, all around
 MARCHES = {"seven points": "", "eight points": "convex", "seven points, stuck": "general"}
@@ -24,7 +29,7 @@ MARCH_FACES = [
 
 
 class March(NamedTuple):
-    """The points and the faces before the first step, and the steps."""
+    """The points and the faces before the first step, and the steps, moved into the unit sphere."""
 
     points: list[Any]
     faces: list[Face]
@@ -35,12 +40,25 @@ class March(NamedTuple):
 def march(body: str) -> March:
     """The plain front on one of the bodies."""
     if body == "seven points":
-        steps = plain.advancing_front_in_space(MARCH_POINTS, MARCH_FACES, lambda x: 3.0, key=plain.by_age)
-        return March(list(MARCH_POINTS), list(MARCH_FACES), list(steps))
-    domain = stuck_body(MARCHES[body])
-    points = [tuple(map(int, p)) for p in domain.points.tolist()]
-    faces = [lowest(a, c, b) for a, b, c in domain.triangulated.triangles.tolist()]
-    return March(points, faces, list(plain.advancing_front_in_space(points, faces, lambda x: 2.0)))
+        points, faces = list(MARCH_POINTS), list(MARCH_FACES)
+        steps = plain.advancing_front_in_space(points, faces, lambda x: 3.0, key=plain.by_age)
+    else:
+        domain = stuck_body(MARCHES[body])
+        points = [(int(x), int(y), int(z)) for x, y, z in domain.points.tolist()]
+        faces = [lowest(a, c, b) for a, b, c in domain.triangulated.triangles.tolist()]
+        steps = plain.advancing_front_in_space(points, faces, lambda x: 2.0)
+    x = np.array(points, dtype=float)
+    center = (x.min(axis=0) + x.max(axis=0)) / 2
+    unit = float(np.sqrt(((x - center) ** 2).sum(axis=1).max()))
+
+    def moved(place: Any) -> tuple[float, float, float]:
+        p, q, r = ((np.array(place, dtype=float) - center) / unit).tolist()
+        return p, q, r
+
+    shown = [
+        replace(step, ideal=step.ideal and moved(step.ideal), radius=step.radius / unit) for step in steps
+    ]
+    return March([moved(p) for p in points], faces, shown)
 
 
 def march_state(body: str = "seven points", seen_from: int = 30) -> list[fr.Frame]:
@@ -56,7 +74,8 @@ def march_state(body: str = "seven points", seen_from: int = 30) -> list[fr.Fram
     Returns
     -------
     list of dict
-        See `space_front_frames`.
+        See `space_front_frames`. The bodies are moved into the unit sphere, so that all lie in
+        `MARCH_WINDOW`.
 
     Raises
     ------
