@@ -8,14 +8,14 @@ import pytest
 
 from unstruct.plain import front_points as rules
 from unstruct.view import check_frame
-from unstruct.view.scenes.wish_states import AHEAD_X, AHEAD_Y, CORNER_ANGLES, ahead_state, corner_state
+from unstruct.view.scenes.wish_states import AHEAD_X, AHEAD_Y, RULE_ANGLES, ahead_state, angle_rule_state
 
 
 @pytest.mark.parametrize("size", [0.6, 1.0, 1.6])
 def test_the_whole_range_of_corners(size: float) -> None:
     counts = []
-    for angle in CORNER_ANGLES:
-        one = corner_state(angle, size)
+    for angle in RULE_ANGLES:
+        one = angle_rule_state(angle, size)
         check_frame(one)
         counts.append(rules.parts(radians(angle)))
         word = {1: "closed", 2: "two", 3: "three", 4: "equal sides"}[counts[-1]]

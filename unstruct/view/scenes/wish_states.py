@@ -9,14 +9,14 @@ from ...geometry.simplex import circumcenter, circumradius
 from ...plain import front_points as rules
 from ..draw import frames as fr
 
-__all__ = ["AHEAD_X", "AHEAD_Y", "CORNER_ANGLES", "CORNER_WINDOW", "ahead_state", "corner_state"]
+__all__ = ["AHEAD_X", "AHEAD_Y", "RULE_ANGLES", "RULE_WINDOW", "ahead_state", "angle_rule_state"]
 
 AHEAD_X = [round(-0.6 + 0.2 * k, 1) for k in range(12)]  # where the corner ahead may be
 AHEAD_Y = [round(0.2 + 0.2 * k, 1) for k in range(12)]
-CORNER_ANGLES = list(range(40, 230, 5))
-CORNER_WINDOW = (-2.8, 1.9, -1.5, 2.0)
+RULE_ANGLES = list(range(40, 230, 5))
+RULE_WINDOW = (-2.8, 1.9, -1.5, 2.0)
 BASE_ENDS = (0.0, 0.0), (1.0, 0.0)
-CORNER_START = (-1.6, -0.8), (-1.0, 0.0), (0.0, 0.0)  # P, A, B: at A the angle is 233 degrees
+RULE_START = (-1.6, -0.8), (-1.0, 0.0), (0.0, 0.0)  # P, A, B: at A the angle is 233 degrees
 PARTS_SAID = {1: "the front is closed", 2: "two parts", 3: "three parts"}
 TAKEN_SAID = {
     "small enough": "ABC is small enough: it is accepted",
@@ -26,7 +26,7 @@ TAKEN_SAID = {
 }
 
 
-def corner_state(angle: int = 100, size: float = 1.0) -> fr.Frame:
+def angle_rule_state(angle: int = 100, size: float = 1.0) -> fr.Frame:
     """The angle rule at a corner ABN of the front.
 
     Parameters
@@ -42,7 +42,7 @@ def corner_state(angle: int = 100, size: float = 1.0) -> fr.Frame:
         The corner, the rays that divide it, and the triangle; how far the parts are from 60 degrees. N can
         be dragged.
     """
-    p, a, b = CORNER_START
+    p, a, b = RULE_START
     t = radians(angle)
     n = -cos(t), sin(t)
     k, x = rules.parts(t), rules.by_angle(p, a, b, n, size)
