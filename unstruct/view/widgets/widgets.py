@@ -1,13 +1,13 @@
 """The widgets that show the scenes of `states` and `proofs`, with sliders and drop-down lists.
 
-Each function returns a `Panel` of at most three controls and one player. If a history has few frames, all of
-them are computed at once and the player steps through them by itself, so that it also works on a page without
-a kernel. `empty_circle` and the two proofs call Python at every move.
+Each function returns a `Panel` of at most three controls and one player, or a player with its own controls.
+If there are few frames, all of them are computed at once, so that the picture also moves on a page without a
+kernel. `empty_circle` calls Python at every move.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import ipywidgets
@@ -15,7 +15,7 @@ import numpy as np
 
 from ..draw import frames as fr
 from ..draw.stills import with_still
-from ..scenes.proofs import cavity_proof_drag, cavity_proof_state, star_proof_drag, star_proof_state
+from ..scenes.proofs import cavity_proof_state, star_proof_state
 from ..scenes.states import (
     CIRCLES,
     FADES,
@@ -25,6 +25,7 @@ from ..scenes.states import (
     empty_circle_state,
     voronoi_dual_state,
 )
+from .panels import panel
 from .player import Player, compact, player
 
 __all__ = [
@@ -88,30 +89,28 @@ def empty_circle() -> Panel:
     return live(empty_circle_state, controls, alt, drag, start)
 
 
-def cavity_argument() -> Panel:
+def cavity_argument() -> Player:
     """The chapter's Fig. 12.4: a triangle that would hide an edge from P is in the cavity. Book: 2.4a."""
-    controls = {
-        "angle_p": slider("angle APC", 135, 1, 179, 1),
-        "angle_d": slider("angle ADC", 80, 1, 179, 1),
-        "place": slider("place of P", 0.3, 0, 1, 0.01),
-    }
+    angles = range(15, 180, 10)  # never 110, where P or D would be on circle ABC
+    grid: dict[str, Sequence[Any]] = {"angle_p": angles, "angle_d": angles}
+    grid["place"] = [0.0, 0.25, 0.5, 0.75, 1.0]
     alt = "Triangles ABC and ACD, their circles, and a point P beyond the edge AC; P and D can be moved."
-    return live(cavity_proof_state, controls, alt, cavity_proof_drag)
+    labels = {"angle_p": "angle APC", "angle_d": "angle ADC", "place": "place of P"}
+    start = {"angle_p": 135, "angle_d": 85, "place": 0.25}
+    return panel(cavity_proof_state, grid, alt=alt, start=start, labels=labels)
 
 
-def new_triangle_argument() -> Panel:
+def new_triangle_argument() -> Player:
     """The chapter's Fig. 12.5: D on either side of AB, where AB may be on the hull. Book: 2.4a."""
-    controls = {
-        "p": slider("place of P", 0.5, 0, 1, 0.01),
-        "turn": slider("direction of D", 60, 0, 360, 1),
-        "hull": ipywidgets.Checkbox(
-            False, description="AB is on the hull", style=WIDE, layout={"width": WIDTH}
-        ),
-    }
-    alt = (
-        "A new triangle ABP, its circle, the circles of the old triangles on both sides of AB, and a point D."
-    )
-    return live(star_proof_state, controls, alt, star_proof_drag)
+    grid: dict[str, Sequence[Any]] = {"edge": ["inside", "on the hull"]}
+    grid |= {"p": [round(k / 10, 1) for k in range(11)], "turn": range(0, 360, 10)}
+    alt = "A new triangle ABP, its circle, the circles of the old cells on both sides of AB, and a point D."
+    labels = {"edge": "the edge AB is", "p": "place of P", "turn": "direction of D"}
+    return panel(by_edge, grid, alt=alt, start={"p": 0.5, "turn": 60}, labels=labels)
+
+
+def by_edge(edge: str, p: float, turn: float) -> fr.Frame:
+    return star_proof_state(p, turn, hull=edge == "on the hull")
 
 
 def voronoi_dual() -> Panel:
