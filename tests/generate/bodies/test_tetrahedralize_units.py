@@ -1,4 +1,4 @@
-"""The unit of length does not matter: a body in units of 2^k has the same mesh in these units, bit for bit."""
+"""The unit of length does not matter: in units of 2^k a body has the same mesh, bit for bit."""
 
 from __future__ import annotations
 
