@@ -135,8 +135,8 @@ def isosurface_stuffing(
     them wide. The other cells keep the angles of the theorem. Those in the strip are measured: in 401 turned
     boxes, prisms of five to eight sides and wedges of 20 to 90 degrees, with constant sizes and sizes that
     grow by up to 1.2 of a length, angles are from 12.4 to 157.8 degrees. With ``graded=True`` they are from
-    11 to 162 degrees in 280 of 281 such bodies; in the other one, of the steepest sizes, the strip could not be
-    filled. Cells with angles below 10 or above 165 degrees, as there must be in sharper wedges, are in
+    11 to 162 degrees in 280 of 281 such bodies; in the other one, of the steepest sizes, the strip could not
+    be filled. Cells with angles below 10 or above 165 degrees, as there must be in sharper wedges, are in
     ``unrefined``, and so are those along a strip that is not filled.
     Then the mesh has exactly the volume of the body, up to rounding, and to how far its sides are from flat.
     Edges within flat sides are not kept: where those are given in triangles, each side is a union of faces in
