@@ -1,39 +1,43 @@
-"""Walks: the power of P never rises in a Delaunay triangulation, and no triangle is entered twice."""
+"""Walks to a point: captions and powers are right wherever the point is."""
 
 from __future__ import annotations
 
-from itertools import pairwise
+from itertools import product
 
+import numpy as np
 import pytest
 
-from unstruct import InputError
-from unstruct.view import check_frame
-from unstruct.view.scenes.walks import WALKS, walk_history
+from unstruct import InputError, check, simplex
+from unstruct.view import WALK_MESHES, check_frame, walk_mesh, walk_powers, walk_state
 
 
-@pytest.mark.parametrize("preset", WALKS)
-def test_walks(preset):
-    frames = walk_history(preset)
-    for one in frames:
+@pytest.mark.parametrize("name", WALK_MESHES)
+def test_the_whole_range(name: str) -> None:
+    mesh = walk_mesh(name)[0]
+    assert check(mesh) and bool(check(mesh, delaunay=True)) == (name == "Delaunay")
+    ends = set()
+    for x, y in product(np.linspace(0, 16, 9), np.linspace(0, 12, 7)):
+        one = walk_state(x, y, name)
         check_frame(one)
-    assert len(frames) <= 12 and len({tuple(one["view"]) for one in frames}) == 1
-    powers = [float(one["number"].split("= ")[1]) for one in frames]
-    if preset.startswith("nasty"):
-        assert powers[0] == powers[-1] and "never ends" in frames[-1]["caption"]
-        assert any(p < q for p, q in pairwise(powers))
-    else:
-        assert all(p >= q for p, q in pairwise(powers)) and powers[-1] < 0
-        assert frames[-1]["caption"].startswith("P is in")
-        assert any(p == q for p, q in pairwise(powers)) == preset.startswith("ties")
+        arrives, inside = one["caption"].startswith("it arrives"), int(mesh.find_simplex([x, y])) >= 0
+        ends.add(one["caption"].split()[0] + one["caption"][-3:])
+        if name == "Delaunay":
+            assert arrives == inside and one["number"].endswith("falling at each step")
+        assert inside or not arrives
+        assert ("though the point is in it" in one["caption"]) <= inside
+    if name == "nasty: a pinwheel":
+        assert any(end.startswith("triangle") for end in ends)
+    if name == "nasty: with a hole":
+        assert any(end.endswith("it") for end in ends)
 
 
-def test_an_unknown_walk_is_refused():
-    with pytest.raises(InputError, match="no preset"):
-        walk_history("uphill")
+def test_powers() -> None:
+    mesh = walk_mesh("Delaunay")[0]
+    q = np.array([3.0, 4.0])
+    away = ((simplex.circumcenter(mesh.corners) - q) ** 2).sum(axis=1)
+    assert np.allclose(walk_powers(mesh.corners, q), away - simplex.circumradius(mesh.corners) ** 2)
 
 
-def test_all_walks_fit_the_window_of_the_first():
-    """A panel shows all its presets in the window of the first frame."""
-    x0, x1, y0, y1 = walk_history()[0]["view"]
-    for given in WALKS.values():
-        assert all(x0 < x < x1 and y0 < y < y1 for x, y in [*given["points"], given["P"]])
+def test_an_unknown_mesh() -> None:
+    with pytest.raises(InputError, match="no mesh 'torus'"):
+        walk_state(0, 0, "torus")

@@ -3,11 +3,11 @@
 A subsegment that is in no Delaunay triangulation of the vertices is called *missing*. It receives a new
 vertex in its middle (for a curved piece on the true curve), and the same is done with its halves. A new
 vertex can make subsegments missing, but never present. So each of these splits is needed in any order, and
-the result depends on the domain only. It exists if the pieces at each vertex leave a gap of 180 degrees.
-Otherwise midpoints may never end (see `fans`), and *concentric shells* help: at an apex, a vertex where
-pieces meet at less than 60 degrees, pieces are split at distances that are powers of two. Pieces of equal
-length never cut each other, and the first vertex on each piece keeps its distance from the apex; therefore
-shells at all apices always end.
+the result depends on the domain only. It exists if at each vertex at most five pieces meet, or those that
+meet leave a gap of 180 degrees. Otherwise midpoints may never end (see `fans`), and *concentric shells* help:
+at an apex, a vertex where pieces meet at less than 60 degrees, pieces are split at distances that are powers
+of two. Pieces of equal length never cut each other, and the first vertex on each piece keeps its distance
+from the apex; therefore shells at all apices always end.
 
 Sources: J. Ruppert, Journal of Algorithms 18 (1995) 548-585 (midpoints, shells, lower bounds on lengths); H.
 Edelsbrunner, T. S. Tan, Discrete & Computational Geometry 10 (1993) 197-213 (how many points it may take).

@@ -1,86 +1,97 @@
-"""A walk to a point, triangle after triangle, with the powers of the point (section 2.4a)."""
+"""A walk through a mesh to a point that the reader moves, with the powers on the way (chapter 1)."""
 
 from __future__ import annotations
 
-from typing import Any
+from functools import cache
+from itertools import pairwise
 
 import numpy as np
 
+from ...base.errors import InputError
 from ...connect.insertion.delaunay import delaunay
-from ...geometry.simplex import circumcenter, circumradius
 from ...mesh.mesh import Mesh
-from ...predicates.batch import orient
+from ...plain.adjacency import walk
 from ..draw import frames as fr
-from .cavity_search import Cell, edges_of
-from .choices import preset_named
 
-__all__ = ["WALKS", "walk_history"]
+__all__ = ["WALK_MESHES", "walk_mesh", "walk_powers", "walk_state"]
 
-_SPREAD = [(0, 1), (2, 4), (1, 7), (3, 9), (4, 2), (5, 6), (6, 0), (7, 4), (8, 8), (9, 1), (10, 5),
-           (11, 9), (12, 2), (13, 6), (14, 0), (15, 8), (16, 4), (17, 1), (18, 7)]  # fmt: skip
-WALKS: dict[str, dict[str, Any]] = {
-    "nineteen points": {"points": _SPREAD, "P": (16.2, 6.1), "from": 0},
-    "ties: a lattice": {
-        "points": [(x, y) for y in (0, 2, 4, 6) for x in (0, 2, 4, 6, 8, 10)],
-        "P": (9.2, 5.4),
-        "from": 0,
-    },
-    "nasty: not Delaunay": {
-        "points": [(9, 4.5), (3, 8), (3, 1), (7.5, 4), (4, 7), (3.5, 2.5)],
-        "cells": [(0, 1, 3), (1, 4, 3), (1, 2, 4), (2, 5, 4), (2, 0, 5), (0, 3, 5), (3, 4, 5)],
-        "P": (5, 4.5),
-        "from": 0,
-    },
-}
+WALK_MESHES = ("Delaunay", "nasty: a pinwheel", "nasty: with a hole")
+PINWHEEL = (
+    [(10, 0), (-5, 9), (-5, -9), (-9, 12), (-6, -14), (15, 2), (0, 0)],
+    [(6, 0, 1), (6, 1, 2), (6, 2, 0), (0, 3, 1), (1, 3, 4), (1, 4, 2), (2, 4, 5), (2, 5, 0), (0, 5, 3)],
+)
+HOLE = (7.0, 6.0)  # the triangles about this place are left out
 
 
-def walk_history(preset: str = "nineteen points") -> list[fr.Frame]:
-    """The triangles of a walk: out of each through the first edge that has P strictly on its other side.
+@cache
+def walk_mesh(name: str) -> tuple[Mesh, int]:
+    """The mesh of a name in `WALK_MESHES`, in a box of 16 by 12, and the triangle where walks begin."""
+    if name == "nasty: a pinwheel":
+        points, cells = PINWHEEL
+        return Mesh(np.array(points) * [0.5, 0.375] + [6.0, 6.0], cells), 3
+    if name not in WALK_MESHES:
+        raise InputError(f"no mesh {name!r}; use one of {', '.join(WALK_MESHES)}")
+    x, y = np.meshgrid(np.arange(0.0, 17.0, 2.0), np.arange(0.0, 13.0, 2.0))
+    moved = np.round(16 * np.random.default_rng(6).uniform(-0.6, 0.6, (*x.shape, 2))) / 16
+    moved[[0, -1], :, 1] = 0.0
+    moved[:, [0, -1], 0] = 0.0
+    mesh = delaunay((np.stack([x, y], axis=2) + moved).reshape(-1, 2))
+    if name == "nasty: with a hole":
+        away = np.abs(mesh.corners.mean(axis=1) - HOLE).max(axis=1)
+        mesh = mesh.select(np.flatnonzero(away > 2.0))
+    return mesh, int(mesh.corners.sum(axis=(1, 2)).argmin())
+
+
+def walk_powers(corners: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """The power of q with respect to the circumcircle of each triangle ``(k, 3, 2)``."""
+    u, v, w = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], q - corners[:, 0]
+    square = [(x * x).sum(axis=1) for x in (u, v, w)]
+    twice = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    center_x = (square[0] * v[:, 1] - square[1] * u[:, 1]) / twice
+    center_y = (square[1] * u[:, 0] - square[0] * v[:, 0]) / twice
+    return square[2] - w[:, 0] * center_x - w[:, 1] * center_y
+
+
+def walk_state(x: float = 12.0, y: float = 9.0, mesh: str = "Delaunay") -> fr.Frame:
+    """The walk to the point (x, y), which the reader can drag.
 
     Parameters
     ----------
-    preset : str
-        A key of `WALKS`. In the nasty one, which is not Delaunay, the walk comes back to its beginning.
+    x, y : float
+        The point; outside of the mesh, too.
+    mesh : str
+        One of `WALK_MESHES`.
 
     Returns
     -------
-    list of dict
-        A frame for each triangle; its number is the power of P with respect to the circle.
+    dict
+        A frame. Its caption says how the walk ends; the number has the powers of the point with respect to
+        the first and last circles, and whether they fell at every step.
     """
-    given = preset_named(WALKS, preset)
-    points, p = np.array(given["points"], dtype=float), np.array(given["P"], dtype=float)
-    mesh = Mesh(points, given["cells"]) if "cells" in given else delaunay(points)
-    cells: list[Cell] = [(int(a), int(b), int(c)) for a, b, c in mesh.simplices]
-    sides = {edge: cell for cell in cells for edge in edges_of(cell)}
-    start = min(cells, key=lambda cell: float(points[list(cell)].sum())) if "cells" not in given else cells[0]
-    way, made = [start], []
-    while True:
-        cell = way[-1]
-        corners = points[list(cell)]
-        center, radius = circumcenter(corners), float(circumradius(corners))
-        power = float(((p - center) ** 2).sum() - radius**2)
-        ahead = [edge for edge in edges_of(cell) if orient(np.array([*points[list(edge)], p])) < 0]
-        again = cell in way[:-1]
-        name = " ".join(map(str, sorted(cell)))
-        if again:
-            text = f"in {name} again: this walk never ends"
-        elif ahead:
-            text = f"in {name}: P is beyond the edge " + " ".join(map(str, sorted(ahead[0])))
-        else:
-            text = f"P is in {name}: the walk ends"
-        items = [
-            fr.polygons("cell", mesh.corners),
-            fr.polygons("waiting", points[np.array(way[:-1], int).reshape(-1, 3)]),
-            fr.polygons("bad" if again else "highlight", [corners]),
-            fr.circles("circumcircle", [center], [radius]),
-            fr.segments("front", points[list(ahead[:1])].reshape(-1, 2, 2) if ahead else []),
-            *fr.numbered(points),
-            fr.dots("inserted", p),
-            fr.labels("inserted", [p], ["P"]),
-        ]
-        made.append(fr.frame(text, *items, number=f"power of P = {power + 0.0:.2f}"))
-        if again or not ahead:
-            break
-        way.append(sides[ahead[0][::-1]])
-    view = fr.bounds([fr.frame("", fr.dots("vertex", points))], 0.12)
-    return [{**one, "view": view} for one in made]
+    found, start = walk_mesh(mesh)
+    q = np.array([x, y], dtype=float)
+    path = walk(found.points, found.simplices.tolist(), found.neighbors.tolist(), start, q)
+    seen = [t for t in path if t >= 0]
+    steps = len(path) - 1
+    if path[-1] < 0:
+        inside = int(found.find_simplex(q)) >= 0
+        caption = f"{steps} steps, then the mesh ends" + (", though the point is in it" if inside else "")
+    elif path.count(path[-1]) > 1:
+        caption = f"triangle {path[-1]} for the second time: it goes round for ever"
+    else:
+        caption = f"it arrives after {steps} step{'s' if steps != 1 else ''}"
+    powers = walk_powers(found.corners[seen], q)
+    falls = bool((np.diff(powers) < 0).all())
+    number = f"power {powers[0]:.1f} → {powers[-1]:.1f}, " + (
+        "falling at each step" if falls else "not always falling"
+    )
+    middles = found.corners[seen].mean(axis=1)
+    ends = [*pairwise(middles), (middles[-1], q)]
+    items = [
+        fr.polygons("cell", found.corners),
+        fr.polygons("accepted", found.corners[sorted(set(seen))]),
+        fr.polygons("highlight", found.corners[[start]]),
+        fr.segments("layer", ends),
+        fr.dots("inserted", [q], handles=["q"]),
+    ]
+    return fr.frame(caption, *items, number=number.replace("-", "−"), view=[-1.0, 17.0, -1.0, 13.0])
