@@ -73,6 +73,11 @@ from .scenes.lifts import LIFT_CENTERS as LIFT_CENTERS
 from .scenes.lifts import LIFT_RADII as LIFT_RADII
 from .scenes.lifts import LIFT_WINDOW as LIFT_WINDOW
 from .scenes.lifts import lift_state as lift_state
+from .scenes.metric_states import METRIC_ACROSS as METRIC_ACROSS
+from .scenes.metric_states import METRIC_ALONG as METRIC_ALONG
+from .scenes.metric_states import METRIC_TURNS as METRIC_TURNS
+from .scenes.metric_states import METRIC_WINDOW as METRIC_WINDOW
+from .scenes.metric_states import metric_state as metric_state
 from .scenes.parity_states import PARITY_OUTLINES as PARITY_OUTLINES
 from .scenes.parity_states import PARITY_PLACES as PARITY_PLACES
 from .scenes.parity_states import parity_frames as parity_frames
@@ -106,6 +111,11 @@ from .scenes.rebay import voronoi_segment_state as voronoi_segment_state
 from .scenes.rebay_history import rebay_frames as rebay_frames
 from .scenes.rim_edges import RIM_BEYOND as RIM_BEYOND
 from .scenes.rim_edges import rim_edge_state as rim_edge_state
+from .scenes.room_states import ROOM_CORNERS as ROOM_CORNERS
+from .scenes.room_states import ROOM_WALLS as ROOM_WALLS
+from .scenes.room_states import ROOM_X as ROOM_X
+from .scenes.room_states import ROOM_Y as ROOM_Y
+from .scenes.room_states import room_state as room_state
 from .scenes.slope_states import SLOPE_FEET as SLOPE_FEET
 from .scenes.slope_states import SLOPE_HEIGHTS as SLOPE_HEIGHTS
 from .scenes.slope_states import slope_bounds as slope_bounds
@@ -115,6 +125,10 @@ from .scenes.space_frames import space_frame as space_frame
 from .scenes.space_fronts import front_items3 as front_items3
 from .scenes.space_fronts import space_front_frames as space_front_frames
 from .scenes.space_insertion import space_insertion_frames as space_insertion_frames
+from .scenes.space_march_states import MARCH_SIDES as MARCH_SIDES
+from .scenes.space_march_states import MARCH_WINDOW as MARCH_WINDOW
+from .scenes.space_march_states import MARCHES as MARCHES
+from .scenes.space_march_states import march_state as march_state
 from .scenes.space_recovery import edge_recovery_frames as edge_recovery_frames
 from .scenes.space_recovery import missing_edge_items as missing_edge_items
 from .scenes.space_slivers import sliver_state as sliver_state
@@ -182,6 +196,12 @@ from .scenes.walks import walk_state as walk_state
 from .scenes.wedge_states import WEDGES as WEDGES
 from .scenes.wedge_states import wedge_coefficients as wedge_coefficients
 from .scenes.wedge_states import wedge_state as wedge_state
+from .scenes.wish_states import AHEAD_X as AHEAD_X
+from .scenes.wish_states import AHEAD_Y as AHEAD_Y
+from .scenes.wish_states import RULE_ANGLES as RULE_ANGLES
+from .scenes.wish_states import RULE_WINDOW as RULE_WINDOW
+from .scenes.wish_states import ahead_state as ahead_state
+from .scenes.wish_states import angle_rule_state as angle_rule_state
 from .widgets.center_widgets import circumcenters as circumcenters
 from .widgets.constraint_widgets import constrained_insertion as constrained_insertion
 from .widgets.constraint_widgets import principal_component as principal_component

@@ -40,6 +40,7 @@ SHORTEST_PART = 2.0**-40  # of the extent: shorter subsegments are not split, as
 JUDGED_AHEAD = 5000  # sharp vertices that are judged in advance
 DEEP = 12  # shells="auto" turns to shells where two pieces meet after this many halvings next to the vertex
 FAN = 3  # with shells="auto" at least so many pieces that meet at a sharp angle get shells at once
+LOOPING = 6  # where midpoints never end at least so many pieces meet (book, Theorem 2.4b.3)
 SPLITS_A_CALL = 100_000  # splits in one kernel call, a fraction of a second
 SHORT, SPENT, REFUSED, PRESCRIBED = 1, 2, 3, 4  # why a subsegment is not split
 TOO_SHORT = "it is shorter than 2^-40 of the extent"
@@ -345,9 +346,10 @@ def _apices(domain: Domain, c: PlanarComplex, encroached: bool) -> tuple[NDArray
     length = np.linalg.norm(d, axis=1)
     sharp = (dot > SHARP * length * length[following]) & (following != np.arange(len(tail)))
     candidates = np.unique(tail[sharp]).astype(np.int32)
-    # at a vertex with a gap of 180 degrees no subsegment stays missing for ever
+    # at a vertex with a gap of 180 degrees, or of few pieces, no subsegment stays missing for ever
     gap = d[:, 0] * d[following, 1] - d[:, 1] * d[following, 0] <= 0
-    suspects = candidates if encroached else np.setdiff1d(candidates, tail[gap])
+    few = tail[begin[size < LOOPING]]
+    suspects = candidates if encroached else np.setdiff1d(candidates, np.concatenate([tail[gap], few]))
     endless = []
     for v in suspects[:JUDGED_AHEAD].tolist():
         low, high = np.searchsorted(tail, [v, v + 1])
