@@ -60,9 +60,9 @@ SHEET = """<!doctype html><meta charset="utf-8"><style>
 @page {{ size: A4; margin: {margin} }} body {{ margin: 0; font-family: "Helvetica Neue", Arial, sans-serif }}
 {style}</style>{body}"""
 COVER = """body { font-size: 11pt } h1 { font-size: 30pt; margin: 60mm 0 4mm }
-h2 { page-break-before: always; font-size: 20pt } h3 { margin: 8mm 0 0 }
+h2 { page-break-before: always; font-size: 20pt } h3 { margin: 8mm 0 0; break-after: avoid }
 p { margin: 0 0 3mm } .row { display: flex; margin: .7mm 0 } .row b { font-weight: normal; flex: 1 }
-.row.one { font-weight: 600; margin-top: 3mm } .row.two { padding-left: 7mm; font-size: 10pt }"""
+.row.one { font-weight: 600; margin-top: 3mm; break-after: avoid } .row.two { padding-left: 7mm; font-size: 10pt }"""
 TITLE = """<h1>Unstructured mesh generation</h1>
 <p>A textbook of notebooks on an exact, fast, tested library</p><p>The unstruct authors</p>
 <p>Text and figures CC BY 4.0, code MIT</p><h2>Contents</h2>"""
