@@ -59,6 +59,8 @@ html_theme_options = {
     "use_issues_button": False,
 }
 mathjax_path = "tex-svg.js"
+# A hundred formulas between a reader and the next link are too many for the Tab key.
+mathjax3_config = {"options": {"menuOptions": {"settings": {"inTabOrder": False}}}}
 
 BOOK = HERE.parent / "book"
 write_pages(BOOK, HERE)

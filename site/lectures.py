@@ -28,7 +28,7 @@ def lecture_pages(book: Path) -> Iterator[tuple[str, Any]]:
         for chapter in lecture["chapters"]:
             (source,) = book.glob(f"{chapter}-*.ipynb")
             cells += figures(source, chapter)
-        notebook = nbformat.v4.new_notebook(cells=cells, metadata={"nosearch": True})
+        notebook = nbformat.v4.new_notebook(cells=cells, metadata={"nosearch": True, "orphan": True})
         notebook.metadata["kernelspec"] = {
             "display_name": "Python 3",
             "language": "python",

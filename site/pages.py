@@ -88,7 +88,7 @@ def write_pages(book: Path, site: Path) -> None:
         if name == FRONT:
             notebook.cells.append(nbformat.v4.new_markdown_cell(contents(names), id="contents"))
         if name == TEACHERS and lectures:
-            notebook.cells.append(nbformat.v4.new_markdown_cell(slides(list(lectures)), id="slides"))
+            notebook.cells.append(nbformat.v4.new_markdown_cell(slides(lectures), id="slides"))
         write(site / f"{name}.ipynb", nbformat.writes(notebook))
 
 
@@ -174,8 +174,13 @@ def contents(names: list[str]) -> str:
     return "\n\n".join(trees)
 
 
-def slides(lectures: list[str]) -> str:
+def slides(lectures: dict[str, Any]) -> str:
     """The section of the page for teachers that leads to the figures of the lectures."""
+    titles = {
+        name: notebook.cells[0].source.splitlines()[0].removeprefix("# ")
+        for name, notebook in lectures.items()
+    }
+    lines = [f"- [{title}]({name}.ipynb)" for name, title in titles.items()]
     return "\n".join(
         [
             "## The figures of each lecture",
@@ -183,10 +188,7 @@ def slides(lectures: list[str]) -> str:
             "One page for each lecture has the figures of its chapters, with their captions. Each figure is "
             "a slide, when a page is printed, or by `python site/print_edition.py slides.pdf --lecture 1`.",
             "",
-            "```{toctree}",
-            "",
-            *lectures,
-            "```",
+            *lines,
         ]
     )
 

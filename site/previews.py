@@ -38,6 +38,7 @@ def sentences(book: Path) -> dict[str, str]:
 def beginning(text: str) -> str:
     """The first paragraph of Markdown below the title, as plain text."""
     paragraph = next(part for part in text.split("\n\n")[1:] if part.strip() and not part.startswith("#"))
+    paragraph = paragraph.removeprefix("**Task.** ")
     plain = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", paragraph)
     return re.sub(r"\s+", " ", re.sub(r"[*`$]|<[^>]+>", "", plain)).strip()
 
@@ -56,8 +57,8 @@ def add_preview(app: Any, pagename: str, templatename: str, context: dict[str, A
     if text is None or doctree is None:
         return
     base = app.config.html_baseurl
-    picture = next((node for node in doctree.findall(nodes.image) if node["uri"] in app.builder.images), None)
-    address = COVER if picture is None else f"{app.builder.imagedir}/{app.builder.images[picture['uri']]}"
+    picture = next(doctree.findall(nodes.image), None)
+    address = COVER if picture is None else picture["uri"]
     described = "The running region of the book, meshed." if picture is None else picture.get("alt", "")
     title = re.sub(r"<[^>]+>", "", context["title"])
     properties = {

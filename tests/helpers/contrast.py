@@ -26,7 +26,7 @@ def variables(sheets: list[Path], theme: str) -> dict[str, str]:
     and a variable may name another one."""
     found: dict[str, str] = {}
     rule = re.compile(
-        rf"(?:^|[}},])\s*html(?:\[data-theme=[\"']?{theme}[\"']?\])?\s*\{{([^}}]*)\}}", flags=re.M
+        rf"(?:^|(?<=[}},]))\s*html(?:\[data-theme=[\"']?{theme}[\"']?\])?\s*\{{([^}}]*)\}}", flags=re.M
     )
     for sheet in sheets:
         for block in rule.findall(sheet.read_text(encoding="utf-8")):
