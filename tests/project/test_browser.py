@@ -32,6 +32,7 @@ QUIET = ["disable-gpu", "disable-quic", "no-first-run", "disable-background-netw
 PATIENCE = 900_000  # milliseconds, to end what hangs; a busy machine may be slow
 CLIPPED = (ROOT / "tests" / "helpers" / "clipped.js").read_text(encoding="utf-8")
 WIDTHS = 1280, 390  # a laptop, a telephone
+PAPER = 650  # pixels between the margins of a sheet
 FLAGS = ["--no-sandbox", "--disable-component-update", *(f"--{flag}" for flag in QUIET)]
 
 
@@ -148,7 +149,7 @@ def test_mathematics_is_typeset_and_widgets_are_drawn(site: Path, page: Any) -> 
 
 
 def test_nothing_is_clipped(site: Path, page: Any) -> None:
-    """On a laptop and on a telephone, folded cells opened: what is too wide can be scrolled to."""
+    """On a laptop, a telephone and on paper, folded cells opened: what is too wide can be scrolled to."""
     wrong = []
     for name in notebooks():
         page.set_viewport_size({"width": WIDTHS[0], "height": 900})
@@ -161,6 +162,10 @@ def test_nothing_is_clipped(site: Path, page: Any) -> None:
         for width in WIDTHS:
             page.set_viewport_size({"width": width, "height": 900})
             wrong += [f"{name.stem} at {width} px: {text}" for text in page.evaluate(CLIPPED)]
+        page.emulate_media(media="print")
+        page.set_viewport_size({"width": PAPER, "height": 900})
+        wrong += [f"{name.stem} on paper: {text}" for text in page.evaluate(CLIPPED)]
+        page.emulate_media(media="screen")
     assert not wrong, "\n".join(wrong)
 
 
