@@ -184,6 +184,74 @@ def test_players_step_without_a_kernel(site: Path, page: Any) -> None:
     assert picture.inner_html() == first
 
 
+def tabbed(page: Any, to: str, most: int = 400) -> None:
+    """Press Tab until something has the focus, which must then be seen."""
+    for _ in range(most):
+        page.keyboard.press("Tab")
+        if page.evaluate("(to) => document.activeElement.matches(to)", to):
+            break
+    else:
+        raise AssertionError(f"{to} is not reached by Tab")
+    style = "getComputedStyle(document.activeElement)"
+    look = page.evaluate(f"{style}.outlineStyle"), page.evaluate(f"{style}.outlineWidth")
+    assert look == ("solid", "2px"), f"{to} has the focus, which is not seen: {look}"
+
+
+def test_everything_is_used_by_keys(site: Path, page: Any) -> None:
+    """The skip link, players, views in space, folded solutions, the map, and the filters of the ledger."""
+    page.goto((site / "2.8a-delaunay-in-space.html").as_uri())
+    page.wait_for_function("!document.querySelector('.unstruct-widget:not([data-state=drawn])')")
+    tabbed(page, ".skip-link a", 1)
+    page.keyboard.press("Enter")
+    assert page.evaluate("location.hash") == "#main-content"
+    tabbed(page, ".unstruct-player:not(.unstruct-space)")
+    caption = lambda: page.evaluate("document.activeElement.querySelector('.unstruct-caption').textContent")  # noqa: E731
+    first = caption()
+    page.keyboard.press("ArrowRight")
+    assert caption() != first
+    tabbed(page, ".unstruct-space")
+    turned = "document.activeElement.querySelector('canvas').toDataURL()"
+    before = page.evaluate(turned)
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function(f"before => {turned} != before", arg=before)
+    tabbed(page, "details:has(> .cell_input, > summary:only-child, > p) > summary")
+    page.keyboard.press("Enter")
+    assert page.evaluate("document.activeElement.parentElement.open")
+
+    page.goto((site / "index.html").as_uri())
+    for _ in range(400):
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.closest('.drawing') !== null"):
+            break
+    frame = "getComputedStyle(document.activeElement.querySelector('rect')).strokeWidth"
+    assert page.evaluate(frame) == "3.5px", "the frame of the box shows the focus"
+    page.keyboard.press("Enter")
+    page.wait_for_url("**/1-introduction.html")
+
+    page.goto((site / "ledger.html").as_uri())
+    tabbed(page, "select[name=verdict]")
+    page.keyboard.press("f")  # false
+    assert page.locator("table.ledger tr[data-verdict]:visible").count() < len(ledger())
+
+
+def test_players_work_by_touch(site: Path, browser: Any) -> None:
+    """On a telephone: a tap steps; a finger that moves up and down over a picture still scrolls the page."""
+    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    page = context.new_page()
+    page.goto((site / "2.8a-delaunay-in-space.html").as_uri())
+    page.wait_for_function("!document.querySelector('.unstruct-widget:not([data-state=drawn])')")
+    player = page.locator(".unstruct-player:has(input[max]:not([max='0']))").first
+    count = player.locator(".unstruct-bar output")
+    player.locator("[data-do=next]").tap()
+    assert count.inner_text().startswith("2/")
+    touch = "all => [...new Set(all.map((each) => getComputedStyle(each).touchAction))]"
+    assert page.locator(".unstruct-picture").evaluate_all(touch) == ["pan-y"]
+    controls = page.locator(".unstruct-player :is(button, input, select)")
+    heights = controls.evaluate_all("all => all.map((each) => each.getBoundingClientRect().height)")
+    assert min(height for height in heights if height) >= 24, "a finger is not a mouse"
+    context.close()
+
+
 def test_the_form_of_new_chapters_on_a_page(skeleton_site: Path, page: Any) -> None:
     """Code of 84 columns is not clipped, folded cells are closed, equations have numbers, anchors work."""
     page.set_viewport_size({"width": 1280, "height": 900})

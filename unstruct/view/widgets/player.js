@@ -272,7 +272,7 @@ class Player {
   }
   begin() {
     this.stop();
-    this.go(this.sets ? this.index : (this.history.start ?? 0)); // each preset has its own first frame
+    this.go(this.sets ? this.index : 0);
   }
   // Which value each parameter of a panel has in a combination; the last parameter runs fastest.
   places(variant) {

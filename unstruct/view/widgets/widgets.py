@@ -2,7 +2,7 @@
 
 Each function returns a `Panel` of at most three controls and one player. If a history has few frames, all of
 them are computed at once and the player steps through them by itself, so that it also works on a page without
-a kernel. `empty_circle` and the two proofs call Python at every move.
+a kernel. The two proofs call Python at every move.
 """
 
 from __future__ import annotations
@@ -16,24 +16,14 @@ import numpy as np
 from ..draw import frames as fr
 from ..draw.stills import with_still
 from ..scenes.proofs import cavity_proof_drag, cavity_proof_state, star_proof_drag, star_proof_state
-from ..scenes.states import (
-    CIRCLES,
-    FADES,
-    INSERTIONS,
-    SITES,
-    bowyer_watson_history,
-    empty_circle_state,
-    voronoi_dual_state,
-)
+from ..scenes.states import INSERTIONS, bowyer_watson_history
 from .player import Player, compact, player
 
 __all__ = [
     "Panel",
     "bowyer_watson",
     "cavity_argument",
-    "empty_circle",
     "new_triangle_argument",
-    "voronoi_dual",
 ]
 
 WIDE = {"description_width": "110px"}
@@ -63,31 +53,6 @@ class Panel(ipywidgets.VBox):
         return f"Panel({', '.join(names)}: {self.player.alt})"
 
 
-def empty_circle() -> Panel:
-    """Move a fourth point D relative to the circle of A, B, C: exact sign and floating-point sign.
-
-    The preset "nasty: neighboring doubles" shows a window of 33 by 33 neighboring doubles at the circle. For
-    more than half of them, the determinant in floating-point numbers has a wrong sign. Book: 2.0.
-    """
-    first = next(iter(CIRCLES))
-    x, y = CIRCLES[first]["start"]
-    controls = {
-        "preset": presets(CIRCLES),
-        "x": slider("x of D", x, -2, 2, 0.01),
-        "y": slider("y of D", y, -2, 2, 0.01),
-    }
-    alt = "Three points A, B, C, their circle, and a fourth point D that can be moved."
-
-    def drag(values: dict[str, Any], handle: str, px: float, py: float) -> dict[str, Any]:
-        part = 1 / 8 if "origin" in CIRCLES[values["preset"]] else 1.0
-        return {"x": px * part, "y": py * part}
-
-    def start(preset: str) -> dict[str, Any]:
-        return dict(zip("xy", CIRCLES[preset]["start"]))
-
-    return live(empty_circle_state, controls, alt, drag, start)
-
-
 def cavity_argument() -> Panel:
     """The chapter's Fig. 12.4: a triangle that would hide an edge from P is in the cavity. Book: 2.4a."""
     controls = {
@@ -112,12 +77,6 @@ def new_triangle_argument() -> Panel:
         "A new triangle ABP, its circle, the circles of the old triangles on both sides of AB, and a point D."
     )
     return live(star_proof_state, controls, alt, star_proof_drag)
-
-
-def voronoi_dual() -> Panel:
-    """Fade the Voronoi diagram into its dual; some presets have degenerate or misleading sites. Book: 2.1."""
-    histories = {name: [voronoi_dual_state(k / (FADES - 1), name) for k in range(FADES)] for name in SITES}
-    return chosen(histories, "Sites, their Voronoi cells, and the Delaunay triangulation.", start=FADES // 2)
 
 
 def bowyer_watson() -> Panel:
@@ -145,7 +104,7 @@ def slider(description: str, value: float, low: float, high: float, step: float)
     )
 
 
-def chosen(histories: dict[str, list[fr.Frame]], alt: str, start: int = 0) -> Panel:
+def chosen(histories: dict[str, list[fr.Frame]], alt: str) -> Panel:
     """A player that contains all histories; its own drop-down list selects one, without a kernel."""
     first = next(iter(histories.values()))
     picture = player(first, alt=alt)
@@ -154,9 +113,8 @@ def chosen(histories: dict[str, list[fr.Frame]], alt: str, start: int = 0) -> Pa
         for one in frames:
             fr.check_frame(one)
         view = fr.bounds(frames)
-        variants.append({"name": name, "frames": compact(frames, view), "view": view, "start": start})
+        variants.append({"name": name, "frames": compact(frames, view), "view": view})
     picture.set_trait("variants", variants)
-    picture.index = start
     return Panel({}, picture)
 
 
