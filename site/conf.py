@@ -1,4 +1,4 @@
-"""The website: python -m sphinx -W -b html site site/_build/html
+"""The website: python -m sphinx -W -E -b html site site/_build/html
 
 Nothing is executed and nothing is fetched: pages are the stored notebooks, mathematics is rendered by
 the MathJax that a package brings along, and players run on the widget states stored in the notebooks.

@@ -16,7 +16,7 @@ import nbformat
 from nbformat.v4 import new_code_cell, new_markdown_cell
 
 LEFT_OUT = ("Exercises", "Sources", "What to take away")
-CAPTION = re.compile(r"\*(?!\*)(.+?)(?<!\*)\*(?:\n\n|$)", flags=re.S)
+CAPTION = re.compile(r"\*(?!\*)(.{20,}?)(?<!\*)\*(?!\*)", flags=re.S)  # not a single word in italics
 
 
 def lecture_pages(book: Path) -> Iterator[tuple[str, Any]]:

@@ -231,7 +231,9 @@ def main(out: Path, only: tuple[str, ...], lecture: int | None, site: Path | Non
         raise click.ClickException(f"no browser: none of {', '.join(NAMES)} is installed")
     if site is None:
         site = HERE / "_build" / "html"
-        subprocess.run([sys.executable, "-m", "sphinx", "-q", "-W", "-b", "html", HERE, site], check=True)
+        subprocess.run(
+            [sys.executable, "-m", "sphinx", "-q", "-W", "-E", "-b", "html", HERE, site], check=True
+        )
     wanted = [(n, c) for n, c in in_order(site) if not only or n.startswith(only)]
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=browser_path, args=FLAGS, timeout=PATIENCE)
