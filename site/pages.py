@@ -65,17 +65,16 @@ def write_pages(book: Path, site: Path) -> None:
         write(site / f"{name}.ipynb", nbformat.writes(notebook))
     for name in names:
         notebook = nbformat.read(book / f"{name}.ipynb", as_version=4)
-        for cell in notebook.cells:
+        for before, cell in zip([None, *notebook.cells], notebook.cells):
             if cell.cell_type == "code":
                 for output in cell.outputs:
                     show_widget(output)
                     show_drawing(output)
                     link_to_pages(output)
                 if "hide-cell" in cell.metadata.get("tags", []):
-                    prompts = {
-                        "code_prompt_show": "Show the solution",
-                        "code_prompt_hide": "Hide the solution",
-                    }
+                    # below a solution in words, code verifies it
+                    what = "check" if before.source.rstrip().endswith("</details>") else "solution"
+                    prompts = {"code_prompt_show": f"Show the {what}", "code_prompt_hide": f"Hide the {what}"}
                     cell.metadata["mystnb"] = {**cell.metadata.get("mystnb", {}), **prompts}
                 cell.source = re.sub(r"^%.*\n?", "", cell.source, flags=re.M)
                 if name in MADE or re.match(r"(Markdown|HTML)\(", cell.source):
