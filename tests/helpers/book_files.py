@@ -31,16 +31,6 @@ def chapters() -> list[Path]:
     return [path for path in notebooks() if path.name[0].isdigit()]
 
 
-# Chapters that do not have the form of the whole book yet: one that is rewritten leaves this list.
-OLD_FORM = (
-    "1-",
-    "2.4a",
-    "2.4b",
-    "2.6d",
-)
-NEW_CHAPTERS = [path for path in chapters() if not path.name.startswith(OLD_FORM)]
-
-
 def code_cells(path: Path) -> list[nbformat.NotebookNode]:
     return [cell for cell in notebook(path).cells if cell.cell_type == "code"]
 

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
+from typing import Any
+
 import numpy as np
 
+from unstruct import DomainMesh, remesh, surface_delaunay
+from unstruct.errors import IncompleteWarning
 from unstruct.mesh.mesh import Mesh
 
 GOLDEN = (1 + 5**0.5) / 2
@@ -113,3 +118,24 @@ def random_surface(seed: int) -> Mesh:
         return bipyramid(3, 10 ** rng.uniform(-1, 3), 10 ** rng.uniform(-1, 3), seed)
     noise = 0.2 * rng.random() * rng.standard_normal(mesh.points.shape) * stretch / len(mesh.points) ** 0.5
     return Mesh(mesh.points * stretch + noise, mesh.simplices)
+
+
+def joined(*parts: tuple[np.ndarray, np.ndarray]) -> Mesh:
+    """Several surfaces, each of points and triangles, as one mesh."""
+    start = np.cumsum([0] + [len(points) for points, _ in parts])
+    rows = [triangles + first for (_, triangles), first in zip(parts, start)]
+    return Mesh(np.concatenate([points for points, _ in parts]), np.concatenate(rows))
+
+
+def remeshed(surface: Mesh, size: Any, **options: Any) -> DomainMesh:
+    """`remesh` without the warning."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", IncompleteWarning)
+        return remesh(surface, size, **options)
+
+
+def surface_delaunay_of(surface: Mesh, size: Any = None, **options: Any) -> DomainMesh:
+    """`surface_delaunay` without the warning."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", IncompleteWarning)
+        return surface_delaunay(surface, size, **options)

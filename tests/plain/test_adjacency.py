@@ -1,12 +1,12 @@
 """The plain adjacency against the compiled one, and walks against exact location."""
 
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
 
 from unstruct import Mesh, MeshError, check, delaunay
-from unstruct.plain.adjacency import face_counts, neighbors, walk
+from unstruct.plain.adjacency import face_counts, neighbors, removable, walk
 
 
 @pytest.mark.parametrize("d", [1, 2, 3, 4])
@@ -51,3 +51,25 @@ def test_a_walk_may_go_round():
     assert check(pinwheel) and not check(pinwheel, delaunay=True)
     assert walk(points, cells, pinwheel.neighbors.tolist(), 3, [1, 1]) == [3, 4, 5, 6, 7, 8, 3]
     assert pinwheel.find_simplex([1, 1]) == 0
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_removable_cells_leave_a_disk_or_a_ball(d):
+    """The rest is valid, and its boundary one closed curve or sphere, exactly if the cell is listed."""
+    for seed in range(3):
+        mesh = delaunay(np.random.default_rng(seed).random((14, d)))
+        listed = removable(mesh.simplices.tolist())
+        assert len(listed) >= 2
+        for t in range(mesh.size):
+            rest = mesh.select(np.setdiff1d(np.arange(mesh.size), [t]))
+            faces = [len({frozenset(f) for b in rest.boundary.tolist() for f in combinations(b, k)})
+                     for k in range(1, d + 1)]  # fmt: skip
+            sphere = faces[0] - faces[1] + (faces[2] if d == 3 else 0) == (2 if d == 3 else 0)
+            whole = bool(check(rest)) and rest.euler_characteristic == 1 and sphere
+            assert whole == (t in listed)
+
+
+def test_a_single_cell_stays():
+    assert removable([[0, 1, 2]]) == removable([[0, 1, 2, 3]]) == []
+    assert removable([[0, 1, 2], [1, 2, 3]]) == [0, 1]
+    assert removable([[0, 1, 2], [2, 3, 4]]) == []  # they touch in a point: no disk, and 2 is on the boundary

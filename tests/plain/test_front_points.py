@@ -100,3 +100,28 @@ def test_the_fast_front_wants_the_same_points(placement: str) -> None:
         compared += 1
         same += np.allclose(wanted, steps["ideal"][i], atol=1e-12)
     assert compared > 40 and same >= 0.6 * compared
+
+
+@pytest.mark.parametrize("placement", ["equal sides", "circle"])
+def test_the_corner_ahead_is_taken_as_the_fast_front_takes_it(placement: str) -> None:
+    domain, rule = unstruct.examples.running_region(0.08), rules.equal_sides
+    rule = rules.on_circle if placement == "circle" else rule
+    options = {"placement": placement, "finish": False, "history": True}
+    mesh = unstruct.advancing_front(unstruct.Domain(*domain), 0.08, **options)
+    seen = dict.fromkeys(("small enough", "empty circle", "near apex"), 0)
+    for edge, apex, reason in zip(*(mesh.steps[key] for key in ("edge", "apex", "reason"))):
+        if reason in seen:
+            a, b, c = (tuple(mesh.points[v].tolist()) for v in (*edge, apex))
+            assert rules.ahead(a, b, c, 0.08, rule) == (reason, c)
+            seen[str(reason)] += 1
+    assert seen["small enough"] > 10 and seen["near apex"] > 100
+
+
+def test_a_wish_is_moved_back_and_never_forward() -> None:
+    a, b = (0.0, 0.0), (1.0, 0.0)
+    assert rules.ahead(a, b, (0.5, 3.0), 1.0) == ("new point", pytest.approx((0.5, sqrt(0.75))))
+    low = rules.ahead(a, b, (1.4, 0.8), 1.0)  # q is below the wish: the circumcenter
+    center = unstruct.simplex.circumcenter(np.array([a, b, (1.4, 0.8)]))
+    assert low == ("new point", pytest.approx((0.5, float(center[1]))))
+    short = rules.ahead(a, b, (0.5, 3.0), 0.5)  # the wish is nearer than a quarter of the edge
+    assert short == ("new point", pytest.approx((0.5, sqrt(0.55**2 - 0.25))))

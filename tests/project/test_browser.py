@@ -79,9 +79,8 @@ def shows_player(cell: nbformat.NotebookNode) -> bool:
     return any(w["kind"] == "anywidget" and len(w["traits"].get("frames", [])) > 1 for w in tops)
 
 
-def answers_to_a_slider(cell: nbformat.NotebookNode) -> bool:
-    kinds = [{part["kind"] for part in parts(widget)} for widget in widgets(cell)]
-    return any({"anywidget", "control"} <= found for found in kinds)
+def needs_a_kernel(cell: nbformat.NotebookNode) -> bool:
+    return any(part["kind"] == "control" for widget in widgets(cell) for part in parts(widget))
 
 
 def test_the_ledger_is_filtered(page: Any, site: Path) -> None:
@@ -345,16 +344,19 @@ def lab(tmp_path: Path) -> Iterator[str]:
         server.wait()
 
 
-def test_a_widget_answers_in_jupyterlab(lab: str, tmp_path: Path, browser: Any) -> None:
-    """Run the book's first widget with a slider, and a panel; move the sliders, see the pictures change."""
-    found = [(path, cell) for path in chapters() for cell in code_cells(path) if answers_to_a_slider(cell)]
-    assert found, "no chapter has a widget with a slider"
-    path, cell = found[0]
+def test_no_widget_is_dead_on_the_website() -> None:
+    """All move without a kernel."""
+    dead = [path.stem for path in notebooks() if any(map(needs_a_kernel, code_cells(path)))]
+    assert not dead, dead
+
+
+def test_a_panel_answers_in_jupyterlab(lab: str, tmp_path: Path, browser: Any) -> None:
+    """That of the skeleton: run its cell, move a slider, see the picture change."""
     skeleton = BOOK / "skeleton" / "0.0-skeleton.ipynb"
-    setup = [other.source for p in (path, skeleton) for other in code_cells(p) if sets_up(other.source)]
-    (panel,) = [other.source for other in code_cells(skeleton) if "view.panel(" in other.source]
-    cells = [nbformat.v4.new_code_cell(source) for source in [*setup, cell.source, panel]]
-    metadata = json.loads((BOOK / path.name).read_text(encoding="utf-8"))["metadata"]
+    setup = [cell.source for cell in code_cells(skeleton) if sets_up(cell.source)]
+    (panel,) = [cell.source for cell in code_cells(skeleton) if "view.panel(" in cell.source]
+    cells = [nbformat.v4.new_code_cell(source) for source in [*setup, panel]]
+    metadata = json.loads(skeleton.read_text(encoding="utf-8"))["metadata"]
     nbformat.write(nbformat.v4.new_notebook(cells=cells, metadata=metadata), tmp_path / "widget.ipynb")
 
     page = browser.new_page(viewport={"width": 1200, "height": 1400})
@@ -369,14 +371,7 @@ def test_a_widget_answers_in_jupyterlab(lab: str, tmp_path: Path, browser: Any) 
     assert error.count() == 0, error.first.inner_text()
     picture = page.locator(".unstruct-picture").first
     before = picture.inner_html()
-    slider = page.locator(".noUi-handle").first
-    slider.focus()
-    for key in ("ArrowRight", "ArrowRight", "PageDown", "PageDown"):
-        slider.press(key)
-    page.wait_for_function(
-        "before => document.querySelector('.unstruct-picture').innerHTML != before",
-        arg=before,
-    )
     page.locator(".unstruct-grid input").first.press("ArrowRight")
     assert page.locator(".unstruct-grid ~ .unstruct-number").inner_text() == "sides 3.35, 3.35"
+    assert picture.inner_html() != before
     page.close()

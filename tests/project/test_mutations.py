@@ -11,7 +11,7 @@ from pathlib import Path
 
 import nbformat
 import pytest
-from book_files import BOOK, CLAIM, NEW_CHAPTERS, ROOT, chapters, code_cells, ledger, tags
+from book_files import BOOK, CLAIM, ROOT, chapters, code_cells, ledger, tags
 from mutate import Mutation, Wrong, changed, code_of, files, read, run, run_here, tenth
 from mutated import FILES
 from slices import needed
@@ -44,8 +44,8 @@ def test_every_mutation_fits_its_cell(path: Path, notebook: Path) -> None:
         assert mutation.claim in known and len(mutation.why) >= 15, mutation
 
 
-@pytest.mark.parametrize("notebook", NEW_CHAPTERS)
-def test_every_claim_of_a_new_chapter_has_a_mutation(notebook: Path) -> None:
+@pytest.mark.parametrize("notebook", chapters())
+def test_every_claim_of_a_chapter_has_a_mutation(notebook: Path) -> None:
     path = mutations_of(notebook)
     verdicts = {row["id"]: row["verdict"] for row in ledger()}
     claims = {tag for cell in code_cells(notebook) for tag in tags(cell) if CLAIM.fullmatch(tag)}
@@ -65,17 +65,10 @@ def test_the_tenth_is_a_tenth_and_hangs_on_each_mutation_alone() -> None:
 
 
 def test_rows_without_a_mutation() -> None:
-    """Only rows that need no cell, and chapters in the old form, may be without; the ledger counts them."""
+    """Only rows that need no cell may be without; the ledger counts them."""
     mutated = {mutation.claim for path, _ in files() for mutation in read(path)}
-    old = {
-        tag
-        for path in chapters()
-        if path not in NEW_CHAPTERS and not mutations_of(path).exists()
-        for cell in code_cells(path)
-        for tag in tags(cell)
-    }
     bare = {row["id"] for row in ledger() if row["verdict"] not in WITHOUT_MUTATION} - mutated
-    assert not bare - old, f"no mutation: {sorted(bare - old)}"
+    assert not bare, f"no mutation: {sorted(bare)}"
     (printed,) = re.findall(r"^(\d+) rows have no mutation", stored_text(BOOK / "ledger.ipynb"), flags=re.M)
     assert int(printed) == len(bare), "run book/execute.py ledger"
 

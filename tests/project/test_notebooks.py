@@ -30,13 +30,10 @@ HOW_TO = (
     "mesh-a-body",
     "heat-in-a-body",
 )
-COMPARISONS = {"2.6d-regions-and-methods"}  # they teach no method, but take those of other chapters to work
 # beside the pages, whose cells import them
 MODULES = ("chapters.py", "claims.py", "maps.py", "terms.py", "works.py")
 METHOD_CHAPTERS = [
-    pytest.param(path, id=path.stem)
-    for path in chapters()
-    if re.match(r"\d+[.a-z]", path.name) and path.stem not in COMPARISONS
+    pytest.param(path, id=path.stem) for path in chapters() if re.match(r"\d+[.a-z]", path.name)
 ]
 WIDGET = "application/vnd.jupyter.widget-view+json"
 PICTURES = ("image/png", "image/svg+xml", "image/jpeg")

@@ -38,6 +38,7 @@ from .stuck_fronts import stuck_body as stuck_body
 from .surfaces import level_surface as level_surface
 from .surfaces import meshed_sides as meshed_sides
 from .surfaces import scanned_surface as scanned_surface
+from .unshellable import rudin_tetrahedron as rudin_tetrahedron
 
 __all__ = [
     "LevelSet",
@@ -63,6 +64,7 @@ __all__ = [
     "plate",
     "random_triangulation",
     "ring_grid",
+    "rudin_tetrahedron",
     "running_domain",
     "running_points",
     "running_region",

@@ -1,4 +1,4 @@
-"""A mesh as two flat arrays, told plainly: who is next to whom, and a walk from cell to cell.
+"""A mesh as two flat arrays, told plainly: who is next to whom, what can be removed, a walk.
 
 ``cells`` is a list of rows of vertex numbers, of any dimension. Section 1 of the book.
 """
@@ -12,15 +12,15 @@ from typing import Any
 from unstruct.base.errors import MeshError
 from unstruct.plain.predicates import orient
 
-__all__ = ["face_counts", "neighbors", "walk"]
+__all__ = ["face_counts", "neighbors", "removable", "walk"]
 
 Rows = Sequence[Sequence[int]]
 
 
 def neighbors(cells: Rows) -> list[list[int]]:
-    """For each cell and each of its vertices: the cell across the opposite facet, -1 for none."""
+    """For each cell and vertex: the cell across the opposite facet, -1 for none."""
     result = [[-1] * len(cell) for cell in cells]
-    waiting: dict[frozenset, tuple[int, int]] = {}  # facets that one cell has shown so far
+    waiting: dict[frozenset, tuple[int, int]] = {}  # shown by one cell so far
     done: set[frozenset] = set()
     for t, cell in enumerate(cells):
         for i, v in enumerate(cell):
@@ -42,18 +42,37 @@ def face_counts(cells: Rows) -> tuple[int, ...]:
     return tuple(len({frozenset(f) for cell in cells for f in combinations(cell, size)}) for size in sizes)
 
 
-def walk(points: Any, cells: Rows, adjacent: Rows, start: int, q: Any) -> list[int]:
-    """The cells on the way from ``start`` to the one that holds q; -1 at the end where the mesh ends.
+def removable(cells: Rows) -> list[int]:
+    """The cells whose removal leaves a disk a disk (in space: a ball a ball)."""
+    adjacent = neighbors(cells)
+    boundary = set()  # all vertices, edges, ... of facets that one cell alone has
+    for cell, beyond in zip(cells, adjacent):
+        for v, s in zip(cell, beyond):
+            rest = [u for u in cell if s < 0 and u != v]
+            for k in range(len(rest)):
+                boundary |= {frozenset(face) for face in combinations(rest, k + 1)}
+    result = []
+    for t, cell in enumerate(cells):
+        opposite = frozenset(v for v, s in zip(cell, adjacent[t]) if s < 0)
+        if 0 < len(opposite) < len(cell) and opposite not in boundary:
+            result.append(t)
+    return result
 
-    Crosses any facet that has q strictly on its other side. In a Delaunay mesh no cell comes twice (the
-    power of q with respect to the circumspheres falls, ties apart); elsewhere a walk may go in circles.
+
+def walk(points: Any, cells: Rows, adjacent: Rows, start: int, q: Any) -> list[int]:
+    """The cells on the way from ``start`` to one that contains q.
+
+    It ends with -1 where the mesh ends, and with a cell that it has visited before
+    where it goes in circles. In a planar Delaunay mesh it never does.
     """
     path = [start]
     while path[-1] >= 0 and path.count(path[-1]) == 1:
         t = path[-1]
         corners = [points[v] for v in cells[t]]
-        beyond = [i for i in range(len(corners)) if orient([*corners[:i], q, *corners[i + 1 :]]) < 0]
-        if not beyond:
+        for i in range(len(corners)):
+            if orient([*corners[:i], q, *corners[i + 1 :]]) < 0:  # q is beyond facet i
+                path.append(adjacent[t][i])
+                break
+        else:
             return path
-        path.append(adjacent[t][beyond[0]])
     return path

@@ -99,15 +99,17 @@ def bowyer_watson(points: Points) -> Iterator[Step]:
 def insert(points: Points, cells: Iterable[Cell], vertex: int) -> Step:
     """Insert one vertex into a Delaunay triangulation, given with its ghosts.
 
-    Where the cells are not Delaunay the star may overlap other cells: see ``unstruct.plain.modernized``.
+    Where the cells are not Delaunay the star may overlap other cells: see
+    ``unstruct.plain.modernized``.
     """
     cells = frozenset(cells)
     located = locate(points, cells, vertex)
-    if any(v != GHOST and tuple(points[v]) == tuple(points[vertex]) for v in located):
+    corners = {tuple(points[v]) for v in located if v != GHOST}
+    if tuple(points[vertex]) in corners:
         return Step(vertex, located, frozenset(), frozenset(), frozenset(), cells)
-    cavity = frozenset(cell for cell in cells if conflicts(points, cells, cell, vertex))
-    new = star(cavity, vertex)
-    return Step(vertex, located, cavity, boundary(cavity), new, (cells - cavity) | new)
+    cavity = frozenset(c for c in cells if conflicts(points, cells, c, vertex))
+    new, kept = star(cavity, vertex), cells - cavity
+    return Step(vertex, located, cavity, boundary(cavity), new, kept | new)
 
 
 def locate(points: Points, cells: Iterable[Cell], vertex: int) -> Cell:
@@ -122,10 +124,11 @@ def locate(points: Points, cells: Iterable[Cell], vertex: int) -> Cell:
 
 
 def conflicts(points: Points, cells: Iterable[Cell], cell: Cell, vertex: int) -> bool:
-    """Does the open circumsphere of the cell hold the vertex?
+    """Does the open circumsphere of the cell contain the vertex?
 
-    The sphere of a ghost is the half-space beyond its facet. Its border, the plane of the facet, belongs
-    to it as far as the sphere of the cell within: else a point on the hull would give a flat cell.
+    The sphere of a ghost is the half-space beyond its facet. Its border, the plane
+    of the facet, belongs to it as far as the sphere of the cell within: else a point
+    on the hull would give a flat cell.
     """
     if GHOST not in cell:
         return in_sphere([points[v] for v in cell], points[vertex]) > 0
@@ -144,7 +147,7 @@ def boundary(cavity: Iterable[Cell]) -> frozenset[Facet]:
 
 
 def star(cavity: Iterable[Cell], vertex: int) -> frozenset[Cell]:
-    """Every facet of the cavity joined to the vertex, on the side where the removed cell was."""
+    """Every facet of the cavity joined to the vertex, on the removed cell's side."""
     rim = boundary(cavity)
     return frozenset(
         _canonical(new)

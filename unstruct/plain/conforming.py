@@ -55,12 +55,12 @@ def encroached(points: Sequence[Point], u: Point, v: Point) -> bool:
 def rounds(
     points: Sequence[Point], segments: Sequence[Segment], test: Test = missing
 ) -> Iterator[tuple[list[Point], list[Segment], list[Segment]]]:
-    """Split all missing segments at their midpoints, look again, and so on: for ever, it may be.
+    """Split all missing segments at their midpoints, look again, and so on.
 
     Yields
     ------
     points, segments, bad : lists
-        Before each round, ``bad`` being the segments to be split; at the end, where there are none.
+        Before each round, with the segments to be split; and at the end, without.
     """
     points, segments = [tuple(p) for p in points], list(segments)
     while True:
@@ -74,7 +74,7 @@ def rounds(
 def halve(
     points: Sequence[Point], segments: Sequence[Segment], bad: Sequence[Segment]
 ) -> tuple[list[Point], list[Segment]]:
-    """The points with the midpoints of the bad segments, and all segments with these in halves."""
+    """The points with midpoints of bad segments; all segments, these in halves."""
     points, new = list(points), []
     for u, v in segments:
         if (u, v) in bad:
@@ -86,19 +86,24 @@ def halve(
     return points, new
 
 
-def fan(spokes: Sequence[Point], test: Test = missing, limit: int = 1000) -> list[tuple[int, ...]]:
-    """How often each of the segments from (0, 0) to the spokes' ends must be halved: the states, one a round.
+def fan(
+    spokes: Sequence[Point],
+    test: Test = missing,
+    limit: int = 1000,
+) -> list[tuple[int, ...]]:
+    """How often each segment from (0, 0) to an end must be halved, round by round.
 
-    Only the half next to the center is looked at, and only the ends of such halves as obstacles. All other
-    points can but force more splits. The list ends where nothing is missing, or where a state repeats an
-    earlier one on a smaller scale (see `period`).
+    Only the half next to the center is looked at, and only the ends of such halves as
+    obstacles. All other points can but force more splits. The list ends where nothing
+    is missing, or where a state repeats an earlier one on a smaller scale (`period`).
     """
     states: list[tuple[int, ...]] = []
-    k = [0] * len(spokes)
+    k, center = [0] * len(spokes), (Fraction(0), Fraction(0))
     while len(states) < limit:
         states.append(tuple(k))
-        tips = [(Fraction(x) / 2**h, Fraction(y) / 2**h) for (x, y), h in zip(spokes, k)]
-        bad = [i for i, tip in enumerate(tips) if test(tips, (Fraction(0), Fraction(0)), tip)]
+        ends = zip(spokes, k)
+        tips = [(Fraction(x) / 2**h, Fraction(y) / 2**h) for (x, y), h in ends]
+        bad = [i for i, tip in enumerate(tips) if test(tips, center, tip)]
         if not bad or period(states):
             break
         for i in bad:
@@ -107,10 +112,10 @@ def fan(spokes: Sequence[Point], test: Test = missing, limit: int = 1000) -> lis
 
 
 def period(states: Sequence[tuple[int, ...]]) -> int:
-    """By how many halvings of *every* spoke the last state differs from an earlier one; 0 if from none.
+    """By how many halvings of *every* spoke the last state exceeds an earlier one, or 0.
 
-    The two are then similar figures. What was forced from the first to the second will be forced again, on
-    half the scale, and again: there is no end.
+    The two are then similar figures. What was forced from the first to the second will
+    be forced again, on half the scale, and again: there is no end.
     """
     last = states[-1]
     for earlier in states[:-1]:

@@ -31,7 +31,7 @@ from unstruct.plain.advancing_front_space import (
 from unstruct.plain.predicates import in_sphere, orient
 from unstruct.plain.space_places import Face
 
-__all__ = ["CellInSpace", "apex_in_space", "front_delaunay_in_space", "is_first", "is_seen", "sphere_sign"]
+__all__ = ["CellInSpace", "apex_in_space", "front_delaunay_in_space", "is_first", "is_visible", "sphere_sign"]
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ def front_delaunay_in_space(
             continue
         others = sorted(front.vertices() - {*face, d})
         ahead = [v for v in others if not is_behind_face(front, (*face, v))]
-        ties = tuple(v for v in ahead if sphere_sign(front, face, d, v) == 0 and is_seen(front, face, v))
+        ties = tuple(v for v in ahead if sphere_sign(front, face, d, v) == 0 and is_visible(front, face, v))
         hidden = tuple(v for v in ahead if sphere_sign(front, face, d, v) > 0)
         without_cell(front, (*face, d))
         yield CellInSpace(face, d, ties, hidden, tuple(front.faces))
@@ -81,13 +81,13 @@ def apex_in_space(front: FrontInSpace, face: Face) -> int | None:
     """The visible vertex whose sphere has no other visible one inside; or None."""
     best = None
     for v in sorted(front.vertices() - set(face)):
-        if is_seen(front, face, v):
+        if is_visible(front, face, v):
             if best is None or is_first(front, face, v, best):
                 best = v
     return best
 
 
-def is_seen(front: FrontInSpace, face: Face, v: int) -> bool:
+def is_visible(front: FrontInSpace, face: Face, v: int) -> bool:
     """Whether the tetrahedron of a face and a vertex passes all tests."""
     return not any(fails(front, (*face, v)) for fails in SPACE_TESTS.values())
 

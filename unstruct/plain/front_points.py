@@ -6,13 +6,15 @@ h is the wanted length of edges. Book: 3.2.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import atan2, cos, hypot, pi, sin, sqrt
 
 from ..base.errors import InputError
+from .predicates import in_sphere
 
 Point = tuple[float, float]
 
-__all__ = ["angle_at", "by_angle", "equal_sides", "on_circle", "parts", "toward"]
+__all__ = ["ahead", "angle_at", "by_angle", "equal_sides", "on_circle", "parts", "toward"]
 
 
 def toward(a: Point, b: Point, distance: float) -> Point:
@@ -72,3 +74,25 @@ def by_angle(p: Point, a: Point, b: Point, n: Point, h: float) -> Point:
         start[0] + side * (u * cos(turn) - v * sin(turn)),
         start[1] + side * (u * sin(turn) + v * cos(turn)),
     )
+
+
+def ahead(
+    a: Point, b: Point, c: Point, h: float, rule: Callable[..., Point] = equal_sides
+) -> tuple[str, Point]:
+    """Steps 1 to 3 of a front with the triangle ABC ahead of AB: what it takes."""
+    u, v, x, y = b[0] - a[0], b[1] - a[1], c[0] - a[0], c[1] - a[1]
+    length = hypot(u, v)
+    p, along, high = length / 2, (u * x + v * y) / length, (u * y - v * x) / length
+    # the circumcenter of ABC lies q above the middle of AB
+    q = ((along - p) ** 2 + high**2 - p**2) / (2 * high)
+    if hypot(p, q) < 1.2 * h / sqrt(3):
+        return "small enough", c
+    wish = rule(a, b, h)
+    d = hypot(wish[0] - (a[0] + b[0]) / 2, wish[1] - (a[1] + b[1]) / 2)
+    wish = toward(a, b, min(d, max(q, p / 2)))  # moved back, but not forward
+    if in_sphere([a, b, c], wish) <= 0:
+        return "empty circle", c
+    side = min(max(h, 0.55 * length), 2 * length)
+    if hypot(wish[0] - c[0], wish[1] - c[1]) < 0.8 * min(h, side):
+        return "near apex", c
+    return "new point", wish

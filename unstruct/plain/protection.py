@@ -33,7 +33,10 @@ def broken(points: Sequence[Point], segments: Iterable[Edge], p: Point) -> list[
 
 
 def turn_away(
-    points: Sequence[Point], segments: Sequence[Edge], cells: Iterable[Triangle], candidates: Iterable[Point]
+    points: Sequence[Point],
+    segments: Sequence[Edge],
+    cells: Iterable[Triangle],
+    candidates: Iterable[Point],
 ) -> Iterator[tuple[str, list[Edge]]]:
     """One point after the other: does it go in, or why not?
 

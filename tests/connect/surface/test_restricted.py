@@ -129,6 +129,8 @@ def test_errors():
         restricted_delaunay(x, 3)
     with pytest.raises(InputError, match="one number for each"):
         restricted_delaunay(x, lambda p: p)
+    with pytest.raises(InputError, match="function surface raised ZeroDivisionError"):
+        restricted_delaunay(np.eye(4)[:, :3], lambda x: 1 / 0)
     with pytest.raises(InputError, match="feature_size must be positive"):
         sampling_density(x, icosphere(0), 0.0)
     with pytest.raises(InputError, match="surface must be a Mesh"):

@@ -214,6 +214,18 @@ def test_fans_are_judged_alike(spokes):
         assert not fast  # a gap of 180 degrees: proved to end
 
 
+@given(st.lists(st.tuples(st.integers(-60, 60), st.integers(-60, 60)), min_size=3, max_size=5, unique=True))
+@settings(max_examples=150, deadline=None)
+def test_five_spokes_always_end(spokes):
+    """Proved in the book: six are needed. Narrow pairs are tried, too."""
+    narrow = [(8 * x + 1, 8 * y) for x, y in spokes[:2]]
+    for some in (spokes, [*spokes[:3], *narrow]):
+        directions = {(Fraction(x, abs(x) + abs(y)), Fraction(y, abs(x) + abs(y))) for x, y in some if x or y}
+        if len(directions) == len(some):
+            states = plain.fan(some)
+            assert not never_ends((0, 0), some) and not plain.period(states) and len(states) < 1000
+
+
 def test_a_part_of_a_fan_may_loop():
     assert all(never_ends((0, 0), [*TEN, extra]) for extra in [(1, 900), (950, 310), (-1, 1000)])
 

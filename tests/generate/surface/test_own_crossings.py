@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import warnings
 from collections import Counter
 
 import numpy as np
 import pytest
+from surface_shapes import joined, remeshed, surface_delaunay_of
 
 import unstruct
-from unstruct import Domain, Mesh, remesh, surface_delaunay
+from unstruct import Domain, Mesh
 from unstruct.base.progress import progress_bar
 from unstruct.domain.given_surface import given_surface
-from unstruct.errors import IncompleteWarning
 from unstruct.generate.surface.intrinsic_run import IntrinsicRun
 from unstruct.generate.surface.needles import without_needles
 from unstruct.generate.surface.own_crossings import OWN_CROSSING
@@ -30,12 +29,6 @@ def box(low: tuple, high: tuple) -> tuple[np.ndarray, np.ndarray]:
     quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
     rows = np.array([row for a, b, c, d in quads for row in ((a, b, c), (a, c, d))])
     return corners * (np.array(high) - low) + low, rows
-
-
-def joined(*parts: tuple[np.ndarray, np.ndarray]) -> Mesh:
-    start = np.cumsum([0] + [len(points) for points, _ in parts])
-    rows = [triangles + first for (_, triangles), first in zip(parts, start)]
-    return Mesh(np.concatenate([points for points, _ in parts]), np.concatenate(rows))
 
 
 def ellipsoids() -> Mesh:
@@ -66,12 +59,6 @@ def tube(n: int = 80, around: int = 12, radius: float = 0.12) -> Mesh:
     return Mesh((center[:, None] + radius * ring).reshape(-1, 3), rows)
 
 
-def remeshed(surface: Mesh, size: object, **options: object) -> unstruct.DomainMesh:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", IncompleteWarning)
-        return remesh(surface, size, **options)
-
-
 @pytest.mark.parametrize("surface", [ellipsoids(), wing(), tube()], ids=["ellipsoids", "wing", "tube"])
 def test_where_the_given_surface_crosses_itself_nothing_is_refined_in_vain(surface: Mesh) -> None:
     """Sizes fell to an eighth all along the crossing, and vertices went over to the other sheet."""
@@ -85,12 +72,6 @@ def test_where_the_given_surface_crosses_itself_nothing_is_refined_in_vain(surfa
     straight = surface_delaunay_of(surface, size)
     assert straight.size < 20 * surface.size and straight.counts["own crossings"] > 0
     assert any(OWN_CROSSING in why for why in straight.reasons)
-
-
-def surface_delaunay_of(surface: Mesh, size: object = None, **options: object) -> unstruct.DomainMesh:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", IncompleteWarning)
-        return surface_delaunay(surface, size, **options)
 
 
 def test_a_slit_that_ends_at_the_boundary_stays_open() -> None:

@@ -42,7 +42,7 @@ def test_a_point_in_the_new_circle_was_in_an_old_one(p, hull):
         above = "P's side" in frame["caption"]
         sides.add(above)
         if hull and not above:
-            assert frame["number"] == "" and "no vertex" in frame["caption"]
+            assert frame["number"] == "" and "ghost" in frame["caption"]
         else:
             assert float(frame["number"].rsplit(" ", 1)[1]) < 0
             assert ("ABE" if above else "ABF") in frame["number"]

@@ -10,14 +10,16 @@ from hypothesis import strategies as st
 from unstruct import InputError, view
 from unstruct.plain.lawson import least_angle_choice
 from unstruct.plain.predicates import in_sphere, orient
-from unstruct.view.scenes.swaps import QUADRILATERALS, RUNS, diagonal_choice_drag
+from unstruct.view.scenes.swaps import CORNER_X, CORNER_Y, QUADRILATERALS, RUNS
 
 
 @pytest.mark.parametrize("preset", QUADRILATERALS)
 def test_the_choice_over_its_whole_range(preset):
-    for x in np.linspace(-2, 2, 9):
-        for y in np.linspace(-2, 2, 9):
+    for x in (*CORNER_X, *np.linspace(-2, 2, 9)):
+        for y in (*CORNER_Y, *np.linspace(-2, 2, 9)):
             view.check_frame(view.diagonal_choice_state(x, y, preset))
+    x, y = QUADRILATERALS[preset]["start"]
+    assert x in CORNER_X and y in CORNER_Y
 
 
 @given(st.sampled_from(list(QUADRILATERALS)), st.integers(-8, 8), st.integers(-8, 8))
@@ -77,21 +79,14 @@ def test_values_out_of_range_are_refused(call):
         call()
 
 
-def test_the_choice_answers_to_its_controls():
+def test_the_choice_needs_no_kernel():
     panel = view.diagonal_choice()
-    assert list(panel.controls) == ["preset", "x", "y"] and panel.player.alt in repr(panel)
-    for name in QUADRILATERALS:
-        panel.controls["preset"].value = name
-        assert (panel.controls["x"].value, panel.controls["y"].value) == QUADRILATERALS[name]["start"]
-        shown = view.diagonal_choice_state(*QUADRILATERALS[name]["start"], name)
-        assert panel.player.frames[0]["caption"] == shown["caption"]
-    for x in (-2, 2):
-        panel.controls["x"].value = x
-        values = {name: control.value for name, control in panel.controls.items()}
-        assert panel.player.frames[0]["caption"] == view.diagonal_choice_state(**values)["caption"]
-    panel.player.dragged = {"handle": "D", "x": -3.1, "y": 0.4}
-    assert panel.controls["x"].value == pytest.approx(-0.5) and panel.controls["y"].value == 0.4
-    assert diagonal_choice_drag({}, "D", -2.6, 1.0) == {"x": 0.0, "y": 1.0}
+    columns = {row["label"]: row["values"] for row in panel.grid}
+    assert columns["preset"] == list(QUADRILATERALS)
+    assert [len(columns[name]) for name in ("x of D", "y of D")] == [len(CORNER_X), len(CORNER_Y)]
+    first = next(iter(QUADRILATERALS))
+    shown = view.diagonal_choice_state(*QUADRILATERALS[first]["start"], first)
+    assert panel.frames[0]["caption"] == shown["caption"]
 
 
 def test_the_runs_need_no_kernel():

@@ -1,5 +1,8 @@
 """Widgets: every state over its whole range, both ends and all presets; the shells only pass it on."""
 
+import base64
+import json
+import zlib
 from fractions import Fraction
 
 import numpy as np
@@ -10,7 +13,6 @@ from hypothesis import strategies as st
 from unstruct import InputError, view
 from unstruct.plain import predicates as plain
 from unstruct.view.scenes import states
-from unstruct.view.scenes.proofs import cavity_proof_drag, star_proof_drag
 from unstruct.view.scenes.states import CIRCLES, INSERTIONS, SITES
 
 NASTY = "nasty: neighboring doubles"
@@ -149,59 +151,30 @@ def test_values_out_of_range_are_refused(call):
 
 # ---- the shells --------------------------------------------------------------------------------
 
-SHELLS = [
-    view.bowyer_watson,
-    view.cavity_argument,
-    view.new_triangle_argument,
-]
 
-
-@pytest.mark.parametrize("make", SHELLS)
-def test_a_shell_has_few_controls_and_a_described_picture(make):
-    panel = make()
-    presets = len(panel.player.variants) > 1
-    assert 1 <= len(panel.controls) + presets <= 3 and panel.player.alt.endswith(".")
-    assert all(c.description for c in panel.controls.values())
-    assert panel.children == (*panel.controls.values(), panel.player)
+def test_a_shell_has_presets_and_a_described_picture():
+    panel = view.bowyer_watson()
+    assert len(panel.player.variants) > 1 and not panel.controls and panel.player.alt.endswith(".")
+    assert panel.children == (panel.player,)
     assert len(repr(panel)) < 160 and panel.player.alt in repr(panel)
 
 
 @pytest.mark.parametrize(
-    ("make", "state"),
+    ("make", "controls", "said"),
     [
-        (view.cavity_argument, view.cavity_proof_state),
-        (view.new_triangle_argument, view.star_proof_state),
+        (view.cavity_argument, ["angle APC", "angle ADC", "place of P"], "ABC goes, and D is not"),
+        (view.new_triangle_argument, ["the edge AB is", "place of P", "direction of D"], "D on P's side"),
     ],
 )
-def test_every_control_changes_the_picture_at_both_ends(make, state):
+def test_the_two_arguments_move_without_a_kernel(make, controls, said):
+    """All frames are stored, none says that the theorem fails, and points can be dragged."""
     panel = make()
-    for name, control in panel.controls.items():
-        ends = (control.min, control.max) if hasattr(control, "min") else (True, False)
-        for end in ends if name != "preset" else control.options:
-            control.value = end
-            frame = state(**{n: c.value for n, c in panel.controls.items()})
-            (shown,) = panel.player.frames
-            assert (shown["caption"], shown["number"]) == (frame["caption"], frame["number"])
-            assert panel.player.view == frame["view"]
-
-
-@given(st.floats(2, 178), st.floats(0, 1))
-def test_dragging_p_to_where_it_is_changes_nothing(angle, place):
-    frame = view.cavity_proof_state(angle, 80, place)
-    (at,) = [i["data"][0] for i in frame["items"] if i.get("handles") == ["P"]]
-    back = cavity_proof_drag({}, "P", *at)
-    assert back["angle_p"] == pytest.approx(angle, abs=0.01)
-    assert back["place"] == pytest.approx(place, abs=0.01)
-    (d,) = [i["data"][0] for i in frame["items"] if i.get("handles") == ["D"]]
-    assert cavity_proof_drag({}, "D", *d)["angle_d"] == pytest.approx(80, abs=0.01)
-
-
-@given(st.floats(0, 1), st.floats(0, 359.9))
-def test_dragging_d_to_where_it_is_changes_nothing(p, turn):
-    frame = view.star_proof_state(p, turn)
-    (at,) = [i["data"][0] for i in frame["items"] if i.get("handles") == ["D"]]
-    back = star_proof_drag({"p": p}, "D", *at)["turn"]
-    assert min(abs(back - turn), 360 - abs(back - turn)) < 0.01
+    assert [one["label"] for one in panel.grid] == controls and panel.alt.endswith(".")
+    assert said in panel.frames[0]["caption"] and panel.packed
+    whole = zlib.decompress(base64.b64decode(panel.packed)).decode()
+    count = int(np.prod([len(one["values"]) for one in panel.grid]))
+    assert len(json.loads(whole)["histories"]) == count <= 3000
+    assert "IMPOSSIBLE" not in whole and '"handles"' in whole
 
 
 def test_stepped_shells_hold_all_presets_and_need_no_kernel():

@@ -219,7 +219,14 @@ def _from_triangles(mesh: Mesh, duals: Duals, pairs: NDArray[np.int64], corner: 
 
 
 def _values(function: Implicit, x: Array) -> Array:
-    found = as_numbers(function(x), "values of the function surface")
+    try:
+        raw = function(x)
+    except Exception as error:
+        raise InputError(
+            f"the function surface raised {type(error).__name__} ({error}) for {len(x)} points; it takes an "
+            "array (k, 3) and returns k numbers, negative inside"
+        ) from error
+    found = as_numbers(raw, "values of the function surface")
     if found.shape != (len(x),):
         raise InputError(f"surface must return one number for each of {len(x)} points, not {found.shape}")
     return found

@@ -3,11 +3,11 @@
 A subsegment that is in no Delaunay triangulation of the vertices is called *missing*. It receives a new
 vertex in its middle (for a curved piece on the true curve), and the same is done with its halves. A new
 vertex can make subsegments missing, but never present. So each of these splits is needed in any order, and
-the result depends on the domain only. It exists if the pieces at each vertex leave a gap of 180 degrees.
-Otherwise midpoints may never end (see `fans`), and *concentric shells* help: at an apex, a vertex where
-pieces meet at less than 60 degrees, pieces are split at distances that are powers of two. Pieces of equal
-length never cut each other, and the first vertex on each piece keeps its distance from the apex; therefore
-shells at all apices always end.
+the result depends on the domain only. It exists if at each vertex at most five pieces meet, or those that
+meet leave a gap of 180 degrees. Otherwise midpoints may never end (see `fans`), and *concentric shells* help:
+at an apex, a vertex where pieces meet at less than 60 degrees, pieces are split at distances that are powers
+of two. Pieces of equal length never cut each other, and the first vertex on each piece keeps its distance
+from the apex; therefore shells at all apices always end.
 
 Sources: J. Ruppert, Journal of Algorithms 18 (1995) 548-585 (midpoints, shells, lower bounds on lengths); H.
 Edelsbrunner, T. S. Tan, Discrete & Computational Geometry 10 (1993) 197-213 (how many points it may take).
@@ -40,6 +40,7 @@ SHORTEST_PART = 2.0**-40  # of the extent: shorter subsegments are not split, as
 JUDGED_AHEAD = 5000  # sharp vertices that are judged in advance
 DEEP = 12  # shells="auto" turns to shells where two pieces meet after this many halvings next to the vertex
 FAN = 3  # with shells="auto" at least so many pieces that meet at a sharp angle get shells at once
+LOOPING = 6  # where midpoints never end at least so many pieces meet (book, Theorem 2.4b.3)
 SPLITS_A_CALL = 100_000  # splits in one kernel call, a fraction of a second
 SHORT, SPENT, REFUSED, PRESCRIBED = 1, 2, 3, 4  # why a subsegment is not split
 TOO_SHORT = "it is shorter than 2^-40 of the extent"
@@ -345,9 +346,10 @@ def _apices(domain: Domain, c: PlanarComplex, encroached: bool) -> tuple[NDArray
     length = np.linalg.norm(d, axis=1)
     sharp = (dot > SHARP * length * length[following]) & (following != np.arange(len(tail)))
     candidates = np.unique(tail[sharp]).astype(np.int32)
-    # at a vertex with a gap of 180 degrees no subsegment stays missing for ever
+    # at a vertex with a gap of 180 degrees, or of few pieces, no subsegment stays missing for ever
     gap = d[:, 0] * d[following, 1] - d[:, 1] * d[following, 0] <= 0
-    suspects = candidates if encroached else np.setdiff1d(candidates, tail[gap])
+    few = tail[begin[size < LOOPING]]
+    suspects = candidates if encroached else np.setdiff1d(candidates, np.concatenate([tail[gap], few]))
     endless = []
     for v in suspects[:JUDGED_AHEAD].tolist():
         low, high = np.searchsorted(tail, [v, v + 1])

@@ -8,7 +8,9 @@ are forced again, for ever. No other point can help, because points make segment
 
 If the segments at a vertex leave a gap of 180 degrees or more, this cannot happen. The first segment beside
 the gap has nothing on one side, so that it is not missing once it is short; then the same is true of the next
-one, and so on. Therefore polygons and holes, with two segments at each vertex, are safe. Book: 2.4b.
+one, and so on. Nor can it happen with less than six segments: the two gaps beside each one that is halved
+without end are together less than 180 degrees, so there are at least five of these, and five contradict
+Ptolemy's theorem. Therefore polygons and holes, with two segments at each vertex, are safe. Book: 2.4b.
 """
 
 from __future__ import annotations

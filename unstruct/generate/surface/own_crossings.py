@@ -63,3 +63,17 @@ class OwnCrossings:
         longest = lengths(x - x[:, [1, 2, 0]]).max(axis=1)
         found = crossing_places(points, triangles, pairs)
         return near_places(self.places, found, longest[pairs].max(axis=1))
+
+    def others(self, points: Array, triangles: np.ndarray) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """The triangles of a mesh that meet others though the given surface does not, and where it does.
+
+        Parameters
+        ----------
+        points : (n, 3)
+            In scaled coordinates.
+        triangles : (t, 3) int32
+            None of them flat, no two with the same vertices.
+        """
+        pairs = meeting_pairs(points, triangles)
+        own = self.among(points, triangles, pairs)
+        return np.unique(pairs[~own]), np.unique(pairs[own])

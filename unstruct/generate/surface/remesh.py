@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from ...sizing.field import SizeField, as_size
 from .cleaning import Cleaned, cleaned
 from .distances import curve_deviation
 from .measuring import FLAT_TRIANGLE, INVERTED, TOO_FAR_OFF
+from .near_sheets import HELPED, KEEPINGS, MOST_TIMES, creases_near, keeping
 from .needles import without_needles
 from .own_crossings import OWN_CROSSING
 from .run import ALLOWED, KEPT_TO, REMESH_ROUNDS, RemeshRun
@@ -90,14 +91,15 @@ def remesh(
         carried on. Triangles that are too far from the given surface, turned against it, flat, or that cross
         others or miss the size, and those of less than ten degrees between creases, are in ``unrefined``,
         with ``reasons``; crossings of the given surface itself have a reason of their own, and nothing is
-        refined there. ``counts``: "splits", "collapses",
-        "flips", "moves", how many changes were "refused: too far" and "refused: turned over", "lowered" (the
-        vertices where the size had to be lowered), "feature edges", and what was wrong with the given
-        triangles ("equal points", "degenerate triangles", "repeated triangles", "turned triangles", "seams":
-        edges of more than two triangles; "own crossings": pairs of given triangles that cross, where the mesh
-        does, too). ``figures``: "deviation" (of all distances, both ways, the
-        largest), "feature deviation", "least angle" in degrees, "least size" (the smallest part of the
-        wanted size to which it was lowered), and "sharp" as given, 0 for None.
+        refined there. ``counts``: "splits", "collapses", "flips", "moves", how many changes were "refused:
+        too far" and "refused: turned over", "lowered" (the vertices where the size had to be lowered), "kept
+        edges" (given ones, for sheets near each other), "feature edges", and what was wrong with the given
+        triangles ("equal points", "degenerate triangles", "repeated triangles", "turned triangles"; "seams":
+        edges of more than two triangles; "one-sided edges": of two that cannot be turned alike, where a
+        surface of one side closes; "own crossings": pairs of given triangles that cross, where the mesh does,
+        too). ``figures``: "deviation" (of all distances, both ways, the largest), "feature deviation", "least
+        angle" in degrees, "least size" (the smallest part of the wanted size to which it was lowered), and
+        "sharp" as given, 0 for None.
 
     Raises
     ------
@@ -112,8 +114,9 @@ def remesh(
     degrees where possible. No operation turns a triangle over or changes the topology: each keeps the link
     condition. A collapse or flip that would leave the surface too far is refused. In the end triangles that
     are too far are split, and an exact test finds those that cross others, where the size is halved, unless
-    the given surface crosses itself there. Between creases that are nearer to each other than 0.3 of the size
-    it is lowered to their distance, if an eighth of it suffices. Names of triangles do not move. Edges of
+    the given surface crosses itself there; where that does not help, as sheets are very near each other, all
+    is done again with given edges kept there (`near_sheets`). Between creases nearer than 0.3 of the size it
+    is lowered to their distance, if an eighth suffices. Names of triangles do not move. Edges of
     more than two triangles are divided first and fixed; they are halved where the size is lowered. Vertices
     stay on their part of the surface, and with the normals of their sheet where a part crosses itself.
 
@@ -131,16 +134,68 @@ def remesh(
     clean = cleaned(surface)
     if onto is not None:
         clean = clean._replace(surface=_true(clean.surface, onto, field, within, most))
-    given = without_needles(directed(given_surface(clean.surface, sharp)))
-    run, group, seams = _begun(given, field, within, most)
+    given = directed(given_surface(clean.surface, sharp))
     with progress_bar(progress, " rounds", total=REMESH_ROUNDS) as bar:
+        attempt = _least_crossing(given, field, (within, sharp), most, bar)
+        kept = len(attempt.given.support.features) - len(given.support.features)
+        clean = clean._replace(counts={"kept edges": kept} | clean.counts)
+    if onto is not None:
+        run, factor = attempt.run, given.support.factor
+        run.put(nearest_by(onto, run.complex.sheets.xyz[: run.used] / factor) * factor)
+        attempt = attempt._replace(crossing=run.crossing())
+    return noticed(_account(attempt, clean, sharp))
+
+
+class Attempt(NamedTuple):
+    """A remeshed surface.
+
+    Attributes
+    ----------
+    given : GivenSurface
+        With the edges that are kept because sheets are near each other.
+    run : RemeshRun
+    crossing : tuple of two (k,) int64
+        As of `RemeshRun.crossing`.
+    group : (m,) int64
+        For each name of a triangle one that is given.
+    seams : tuple of two int
+        How many edges are divided first, as of `divide_seams`.
+    """
+
+    given: GivenSurface
+    run: RemeshRun
+    crossing: tuple[NDArray[np.int64], NDArray[np.int64]]
+    group: NDArray[np.int64]
+    seams: tuple[int, int]
+
+
+def _least_crossing(
+    given: GivenSurface, field: SizeField, limits: tuple[float | None, float | None], most: int, bar: Any
+) -> Attempt:
+    """The surface remeshed, with given edges kept where triangles cross that no smaller size helps.
+
+    ``limits`` are the deviation and the angle of creases.
+    """
+    (within, sharp), best, least, room = limits, None, np.inf, most
+    for kept in range(1 + KEEPINGS):
+        run, group, seams = _begun(without_needles(given), field, within, room)
         run.run(bar)
         crossing = run.untangle(bar)
-    if onto is not None:
-        factor = given.support.factor
-        run.put(nearest_by(onto, run.complex.sheets.xyz[: run.used] / factor) * factor)
-        crossing = run.crossing()
-    return noticed(_account(given, clean, run, crossing, group, seams, sharp))
+        area = run.area(crossing[0])
+        if best is not None and run.short and room < most:
+            break
+        vain = area > HELPED * least
+        if best is None or area < least:
+            best, least = Attempt(given, run, crossing, group, seams), area
+        if area == 0.0 or run.short or (vain and kept > 1):
+            break
+        before = len(given.support.features)
+        given = keeping(given, creases_near(run.support, run.crossed, kept), sharp)
+        room = min(room, MOST_TIMES * (run.used + len(given.support.points)))
+        if len(given.support.features) == before:
+            break
+    assert best is not None
+    return best
 
 
 def _true(surface: Any, onto: Any, field: SizeField, within: float | None, most: int) -> Mesh:
@@ -159,8 +214,8 @@ def _true(surface: Any, onto: Any, field: SizeField, within: float | None, most:
 
 def _begun(
     given: GivenSurface, field: SizeField, within: float | None, most: int
-) -> tuple[RemeshRun, Any, int]:
-    """The run before its first round; for each name of a triangle one that is given; the number of seams."""
+) -> tuple[RemeshRun, Any, tuple[int, int]]:
+    """The run before its first round; for each name of a triangle one that is given; the edges of seams."""
     support = given.support
     rows = support.held.rows
     whole = np.flatnonzero((rows != np.roll(rows, 1, axis=1)).all(axis=1))
@@ -185,16 +240,9 @@ def _begun(
     return RemeshRun(support, complex, field, within, most), first, seams
 
 
-def _account(
-    given: GivenSurface,
-    clean: Cleaned,
-    run: RemeshRun,
-    crossing: tuple[NDArray[np.int64], NDArray[np.int64]],
-    group: NDArray[np.int64],
-    seams: int,
-    sharp: float | None,
-) -> DomainMesh:
+def _account(attempt: Attempt, clean: Cleaned, sharp: float | None) -> DomainMesh:
     """The mesh with its names, and what is to be said of it."""
+    given, run, crossing, group, seams = attempt
     support, taken, s = given.support, run.complex.taken(), run.complex.sheets
     points = taken.points / support.factor
     origin = np.full(len(points), -1, dtype=np.int32)
@@ -229,7 +277,8 @@ def _account(
     counts = {name: int(run.counts[kind]) for name, kind in zip(names, kinds)} | {
         "lowered": int((lowered < 1.0).sum()),
         "feature edges": len(taken.edges),
-        "seams": seams,
+        "seams": seams[0],
+        "one-sided edges": seams[1],
         "own crossings": run.own.count,
     }
     figures = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from .flips import count_degrees, flip_pass
 from .lengths import LONG_SHARE, collapse_pass, split_pass
 from .measuring import FLAT_TRIANGLE, TOO_FAR_OFF, crease_pass, faults_pass, grade_pass, lower_pass
 from .moves import move_pass, put_pass, settle_pass
+from .near_sheets import HELPED, total_area
 from .own_crossings import OwnCrossings
 from .seams import follow_sizes
 from .shapes import COLLAPSES, FLIPS_DONE, SPLITS_DONE, RemeshWork
@@ -41,13 +43,15 @@ LEAST_SHARE = 0.125  # the part of the wanted size below which it is not lowered
 RELAXED = 1.3  # by how much a lowered size may rise again from one measurement to the next
 TARGETS = (30.0, 35.0, 38.0, 40.0)  # degrees below which triangles are sharp, one after the other
 SHARP_SWEEPS = 12  # over triangles that are sharp, for each of them
+CREEPING_SWEEPS = 5  # where the surface leaves no room, vertices creep on and on, by less and less
+CREEPING_SHARE = 0.01  # of all triangles: as many are improved in sweep after sweep, and it is left at that
 LEAST_TARGET = 35.0  # the same where triangles were split because they were too far from the surface
 LOOSE = 2.25  # the slack of rounds: the end mends what is left too far
 SETTLED = 0.002  # changes per vertex in a round after which no other follows
 MENDS = 5
 NEAR_CROSSING = 4.0  # sizes from crossings in which triangles are looked at again
 SEPARATIONS = 3  # times that sizes are lowered where creases are near each other
-UNTANGLED = 4  # times that sizes are halved where triangles cross
+UNTANGLED = 4  # times that sizes are halved where triangles cross, as long as that helps
 NOT_NEARER = 2.0**-50  # in scaled coordinates, up to 1: what is allowed at least, for vertices are rounded
 PLACES_AT_ONCE = 1 << 17  # places that a kernel looks at in one call
 GROWN = 0.5  # share of spare vertices by which arrays grow
@@ -80,6 +84,7 @@ class RemeshRun:
         self.short = False  # whether the budget did not suffice
         self.off = np.zeros(0, dtype=np.bool_)  # vertices that could not be moved onto the surface
         self.own = OwnCrossings(support)
+        self.crossed = np.zeros((0, 3, 3))  # the corners of triangles that crossed before sizes were lowered
         self.seams = bool((complex.sheets.curve >= SEAM_CURVES).any())
         self.refresh()
 
@@ -246,8 +251,11 @@ class RemeshRun:
         target = float(np.sin(np.deg2rad(degrees))) ** 2
         if tried is None:
             tried = np.zeros(len(self.complex.sheets.name), dtype=np.bool_)
+        done: list[int] = []
         for _ in range(SHARP_SWEEPS):
-            if self.sweep(sharpest_pass, self.slots, target, tried) == 0:
+            done.append(self.sweep(sharpest_pass, self.slots, target, tried))
+            creeping = len(done) >= CREEPING_SWEEPS and done[-1] > 0.5 * done[1]
+            if done[-1] == 0 or (creeping and done[-1] > CREEPING_SHARE * self.slots):
                 return
 
     def faults(self) -> NDArray[np.int8]:
@@ -304,11 +312,16 @@ class RemeshRun:
         return slots[np.unique(pairs[~own])], slots[np.unique(pairs[own])]
 
     def untangle(self, bar: Any) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Smaller sizes where triangles cross, but where the given surface does; `crossing` in the end."""
+        """Smaller sizes where triangles cross, but where the given surface does; `crossing` in the end.
+
+        If a half of the size does not help, the mesh is again what it was before.
+        """
         found = self.crossing()
+        self.crossed = self.corners(found[0])
         for _ in range(UNTANGLED):
             if not len(found[0]):
                 break
+            before, area = self.state(), self.area(found[0])
             s = self.complex.sheets
             corners = np.unique(s.vertex[3 * found[0][:, None] + np.arange(3)])
             s.cap[corners] = np.minimum(s.cap[corners], 0.5 * s.size[corners])
@@ -318,8 +331,31 @@ class RemeshRun:
             self.finish(places)
             self.settle()
             bar.update()
-            found = self.crossing()
+            now = self.crossing()
+            if self.area(now[0]) > HELPED * area:
+                self.restore(before)
+                break
+            found = now
+        self.crossed = np.concatenate([self.crossed, self.corners(found[0])])
         return found
+
+    def corners(self, slots: NDArray[np.int64]) -> Array:
+        """The corners of some triangles: (k, 3, 3)."""
+        s = self.complex.sheets
+        return s.xyz[s.vertex[3 * slots[:, None] + np.arange(3)]]
+
+    def area(self, slots: NDArray[np.int64]) -> float:
+        """The area of some triangles."""
+        return total_area(self.corners(slots))
+
+    def state(self) -> tuple[Any, ...]:
+        """All that changes, as it is now."""
+        complex = self.complex
+        return deepcopy((complex.sheets, complex.master, self.counts, self.off, self.short))
+
+    def restore(self, state: tuple[Any, ...]) -> None:
+        """Go back to what `state` returned."""
+        self.complex.sheets, self.complex.master, self.counts, self.off, self.short = state
 
     def settle(self) -> None:
         """Move vertices onto the surface that are beside it, and note where that is impossible."""

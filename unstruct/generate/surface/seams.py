@@ -48,10 +48,13 @@ def _divide(sheets, pairs, start, points, made):
             made[j] = m
 
 
-def divide_seams(complex: SurfaceComplex, size: Callable[[np.ndarray], np.ndarray]) -> int:
-    """Divide the edges where other than two triangles meet as a size asks for; how many edges there are.
+def divide_seams(complex: SurfaceComplex, size: Callable[[np.ndarray], np.ndarray]) -> tuple[int, int]:
+    """Divide the edges where the surface is cut open, as a size asks for.
 
-    The points are the same, bit for bit, in all sheets, and corners of them from then on.
+    That is where more than two triangles meet, or two that run through the edge in the same direction. How
+    many edges there are of either kind is returned: a surface of one side, which cannot be turned alike, has
+    the second kind where it closes. The points are the same, bit for bit, in all sheets, and corners of them
+    from then on.
 
     Parameters
     ----------
@@ -68,7 +71,7 @@ def divide_seams(complex: SurfaceComplex, size: Callable[[np.ndarray], np.ndarra
     _, edge, count = np.unique(low * len(s.at) + high, return_inverse=True, return_counts=True)
     shared = np.flatnonzero(count[edge.ravel()] > 1)
     if not len(shared):
-        return 0
+        return 0, 0
     pairs, ends, edge = pairs[shared], ends[shared], edge.ravel()[shared]
     low, high = low[shared], high[shared]
     a, b = s.xyz[low], s.xyz[high]
@@ -89,7 +92,7 @@ def divide_seams(complex: SurfaceComplex, size: Callable[[np.ndarray], np.ndarra
     order = np.argsort(key, kind="stable")
     first = order[np.searchsorted(key[order], key)]
     complex.unite(made, made[first])
-    return int((count > 1).sum())
+    return int((count > 2).sum()), int((count == 2).sum())
 
 
 @kernel

@@ -11,9 +11,10 @@ from ...connect.surface.crossing import unit_normals
 from ...geometry.embedded import embedded, flat_rows, meeting_pairs
 from .intrinsic_run import IntrinsicRun
 
-__all__ = ["Straight", "faulty_sides", "own_crossings", "straightened", "too_far"]
+__all__ = ["MEETS_OTHERS", "Faulty", "Straight", "faulty", "own_crossings", "straightened", "too_far"]
 
 Array = NDArray[np.float64]
+MEETS_OTHERS = "triangles that meet others"
 
 
 class Straight(NamedTuple):
@@ -37,6 +38,23 @@ class Straight(NamedTuple):
     triangles: NDArray[np.int32]
     sides: NDArray[np.int64]
     edges: NDArray[np.int32]
+
+
+class Faulty(NamedTuple):
+    """What is wrong with straight triangles, one kind at a time.
+
+    Attributes
+    ----------
+    sides : (k,) int64
+        Half-edges to be halved.
+    triangles : (t,) int64
+    text : str
+        Empty if nothing is wrong.
+    """
+
+    sides: NDArray[np.int64]
+    triangles: NDArray[np.int64]
+    text: str
 
 
 def straightened(run: IntrinsicRun) -> Straight:
@@ -88,29 +106,32 @@ def _same_rows(rows: NDArray[np.int32]) -> NDArray[np.int64]:
     return np.flatnonzero(count[number.ravel()] > 1)
 
 
-def faulty_sides(run: IntrinsicRun, straight: Straight) -> tuple[NDArray[np.int64], str]:
-    """Half-edges to be halved so that straight triangles become a surface near the given one; and why."""
+def faulty(run: IntrinsicRun, straight: Straight) -> Faulty:
+    """What is to be halved so that straight triangles become a surface near the given one."""
     sides = _in_doubt(run, straight)
     if len(sides):
-        return sides, "edges with the same ends as others"
-    corner = straight.points[straight.triangles]
+        return Faulty(sides, np.unique(sides // 3), "edges with the same ends as others")
+    factor = run.found.factor  # squares of lengths are finite in scaled coordinates
+    corner = (straight.points * factor)[straight.triangles]
     same = _same_rows(straight.triangles)
     if len(same):
-        return _longest(run, same), "triangles with the same corners as others"
+        return Faulty(_longest(run, same), same, "triangles with the same corners as others")
     normal = unit_normals(corner)
     weights = np.full((len(corner), 3), 1.0 / 3.0)
-    middle = (corner * weights[:, :, None]).sum(axis=1)
+    middle = (corner * weights[:, :, None]).sum(axis=1) / factor
     near, _, _ = run.given.support.nearest(middle, hint=run.found.sides.label, normals=normal)
     along = run.given.support.normals[near]
     against = np.flatnonzero((normal * along).sum(axis=1) <= 0.0)
     against = np.union1d(against, flat_rows(straight.points, straight.triangles))
     if len(against):
-        return _longest(run, against), "triangles that face the other way"
-    if embedded(straight.points, straight.triangles):
-        return np.empty(0, dtype=np.int64), ""
-    pairs, own = _meeting(run, straight)
-    pairs = pairs[~own]
-    return _longest(run, np.unique(pairs)), "triangles that meet others" if len(pairs) else ""
+        return Faulty(_longest(run, against), against, "triangles that face the other way")
+    if not embedded(straight.points, straight.triangles):
+        pairs, own = _meeting(run, straight)
+        met = np.unique(pairs[~own])
+        if len(met):
+            return Faulty(_longest(run, met), met, MEETS_OTHERS)
+    none = np.empty(0, dtype=np.int64)
+    return Faulty(none, none, "")
 
 
 def _meeting(run: IntrinsicRun, straight: Straight) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...base.arguments import DEFAULT_BUDGET, as_count, as_flag, as_number, finite
+from ...base.arguments import DEFAULT_BUDGET, as_count, as_flag, as_number, finite, positive
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...connect.surface.criteria import SurfaceCriteria, surface_criteria
@@ -18,10 +18,11 @@ from ...geometry.support_features import same_points
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
 from ...sizing import as_size
+from .cleaning import Cleaned, cleaned
 from .given_flips import Flipped, flip_given
-from .intrinsic_run import IntrinsicRun
-from .own_crossings import OWN_CROSSING
-from .straightening import Straight, faulty_sides, own_crossings, straightened, too_far
+from .own_crossings import OWN_CROSSING, OwnCrossings
+from .repairing import Repaired, Wanted, repaired
+from .straightening import own_crossings
 
 __all__ = ["surface_delaunay"]
 
@@ -30,7 +31,8 @@ FLAT_ENOUGH = 2.0**-44  # of the largest coordinate: the surface moves by no mor
 USUAL_LEAST_ANGLE = 25.0  # degrees
 LARGEST_ASKED_ANGLE = 30.0
 TOLERANCE_CUTS = 6  # of the tolerance of flips, until the measured deviation is what was asked for
-REPAIRS = 15  # rounds of halving edges where straight triangles are no surface, or too far away
+ANOTHER_PART = "another part: a vertex that is not beside it is in its sphere"
+NEAR_OTHERS = "it meets another part of the surface, which is too near"
 
 
 def surface_delaunay(
@@ -71,13 +73,14 @@ def surface_delaunay(
     DomainMesh
         Triangles in space. ``origin``: the given vertex or -1. ``markers``: names of facets, values of cells,
         and names of edges. ``counts``: "flips", "inserted", "own crossings" (pairs of given triangles that
-        cross, where the mesh does, too), and how many triangles fail which criterion ("not
-        plane-centered", "not intrinsic" in edges). ``figures``: "deviation", the larger of the distances
-        measured both ways, and "sharp" as given, 0 for None. ``unrefined`` lists, without new vertices, the
-        triangles whose plane-centered sphere has a vertex inside, with the reason: there need be no
-        triangulation without them. With new vertices it lists the triangles that are larger or sharper (on
-        the surface) than wanted, or not as near, or that cross others; where the given surface crosses itself
-        nothing is refined for that.
+        cross, where the mesh does, too), "kept edges" (given ones, for parts that are near each other), how
+        many triangles fail which criterion ("not plane-centered", "not intrinsic" in edges), and what was
+        wrong with the given ones, as of `remesh`: repeated ones count once. ``figures``: "deviation", the
+        larger of the distances measured both ways, and "sharp" as given, 0 for None. ``unrefined`` lists,
+        without new vertices, the triangles whose plane-centered sphere has a vertex inside, with the reason:
+        there need be no triangulation without them; with new vertices, those that are larger or sharper (on
+        the surface) than wanted, or not as near; and those that cross others. Where the given surface
+        crosses itself nothing is refined for that.
 
     Raises
     ------
@@ -95,27 +98,28 @@ def surface_delaunay(
     *With new vertices*, edges are first flipped along the surface until it is intrinsic Delaunay, then
     circumcenters of bad triangles are put, found by lines on the surface (`intrinsic_run`, with the bound of
     30 degrees and its hypotheses), then the edges are made straight. Where straight triangles would meet,
-    face the wrong way or be too far from the surface, edges are halved. All vertices lie on given triangles,
-    kept edges on given edges, up to rounding. O(m log m) in practice.
+    face the wrong way or be too far from the surface, edges are halved; where that does not help, as parts of
+    the surface are very near each other, given edges are kept (`near_sheets`). All vertices lie on given
+    triangles, kept edges on given edges, up to rounding. O(m log m) in practice.
 
     Source: N. Sharp, Y. Soliman and K. Crane, *Navigating intrinsic triangulations*, ACM Trans. Graphics 38
     (2019). Book: 2.7.
     """
-    given = given_surface(surface, None if sharp is None else finite(sharp, "sharp"))
     near = _checked(min_angle, deviation)
+    clean = cleaned(surface)
+    given = given_surface(clean.surface, None if sharp is None else finite(sharp, "sharp"))
     turn = 0.0 if sharp is None else float(sharp)
     as_flag(progress, "progress")
     most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
-    support = given.support
-    merged = same_points(support.points)[support.triangles].astype(np.int32)
-    refuse_flat(support.points, merged)
+    refuse_flat(given.support.points, given.support.held.rows.astype(np.int32))
     if size is None and min_angle is None:
-        return noticed(_flipped(given, merged, near, turn))
+        return noticed(_flipped(given, clean, near, turn))
     field = None if size is None else as_size(size)
     angle = USUAL_LEAST_ANGLE if min_angle is None else float(min_angle)
     with progress_bar(progress, "", desc="vertices") as bar:
-        run = IntrinsicRun(given, merged, field, angle, most, bar)
-        return noticed(_refined(run, near, turn))
+        found = repaired(given, Wanted(field, angle, near, sharp, most), bar)
+        kept = len(found.run.given.support.features) - len(given.support.features)
+        return noticed(_meshed(found, clean._replace(counts=clean.counts | {"kept edges": kept}), turn))
 
 
 def _checked(min_angle: Any, deviation: Any) -> float | None:
@@ -123,26 +127,24 @@ def _checked(min_angle: Any, deviation: Any) -> float | None:
         raise InputError(f"min_angle = {min_angle} must lie between 0 and {LARGEST_ASKED_ANGLE:g} degrees")
     if deviation is None:
         return None
-    if not finite(deviation, "deviation") >= 0.0:
-        raise InputError(f"deviation = {deviation} must not be negative")
-    return float(deviation)
+    return positive(deviation, "deviation")
 
 
 # ---------------------------------------------------------------------- without new vertices
 
 
-def _flipped(given: GivenSurface, rows: NDArray[np.int32], near: float | None, turn: float) -> DomainMesh:
-    support = given.support
-    xyz = support.points * support.factor
+def _flipped(given: GivenSurface, clean: Cleaned, near: float | None, turn: float) -> DomainMesh:
+    support, rows = given.support, given.support.held.rows.astype(np.int32)
+    xyz, own = support.points * support.factor, OwnCrossings(support)
     rounding = FLAT_ENOUGH * float(np.abs(xyz).max(initial=0.0))
     allowed = rounding if near is None else max(rounding, near * support.factor)
-    whole = embedded(support.points, rows)
-    tolerance, measured = allowed, 0.0
+    whole, tolerance, measured = embedded(support.points, rows), allowed, 0.0
     for _ in range(TOLERANCE_CUTS):
         found = flip_given(xyz, rows, support.features, tolerance)
         measured = max(support.deviation(support.points, found.triangles))
         good = measured * support.factor <= 2.0 * allowed or tolerance <= rounding
-        if good and (not whole or embedded(support.points, found.triangles)):
+        embeds = good and embedded(support.points, found.triangles)
+        if embeds or (good and not whole and len(own.others(xyz, found.triangles)[0]) == 0):
             break
         tolerance = tolerance / 4.0 if tolerance > rounding else 0.0
     else:
@@ -156,10 +158,15 @@ def _flipped(given: GivenSurface, rows: NDArray[np.int32], near: float | None, t
         if name not in markers:
             markers[name] = place[same_points(support.points)[edges]].astype(np.int32)
     criteria = surface_criteria(Mesh(points, triangles))
-    bad, reasons = _why(criteria, place[same_points(support.points)[support.features]])
+    why = _why(criteria, place[same_points(support.points)[support.features]])
+    if not whole:
+        why[own.others(xyz, found.triangles)[1]] = f"not embedded: {OWN_CROSSING}"
+    bad = np.flatnonzero(why != "").astype(np.int32)
     return DomainMesh(
-        points, triangles, origin=used.astype(np.int32), markers=markers, unrefined=bad, reasons=reasons,
-        counts={"flips": found.flips, "inserted": 0} | _failures(criteria),
+        points, triangles, origin=used.astype(np.int32), markers=markers, regions=clean.regions,
+        unrefined=bad, reasons=why[bad].tolist(),
+        counts={"flips": found.flips, "inserted": 0, "own crossings": own.count, "kept edges": 0}
+        | _failures(criteria) | clean.counts,
         figures={"deviation": measured, "sharp": turn},
     )  # fmt: skip
 
@@ -173,55 +180,28 @@ def _failures(criteria: SurfaceCriteria) -> dict[str, int]:
     }
 
 
-def _why(criteria: SurfaceCriteria, kept: NDArray) -> tuple[NDArray[np.int32], list[str]]:
-    """Triangles that are not plane-centered Delaunay, and why no flip mends that."""
+def _why(criteria: SurfaceCriteria, kept: NDArray) -> np.ndarray:
+    """Why no flip makes a triangle plane-centered Delaunay; empty for those that are."""
     many = len(criteria.mesh.points)
     stay = np.isin(
         criteria.edges.min(axis=1).astype(np.int64) * many + criteria.edges.max(axis=1),
         kept.min(axis=1) * many + kept.max(axis=1) if len(kept) else [],
     )
-    reason = np.full(
-        len(criteria.plane_centered), "another part: a vertex that is not beside it is in its sphere"
-    )
+    reason = np.full(len(criteria.plane_centered), ANOTHER_PART, dtype="<U80")
     for chosen, text in (
         (~criteria.at_edges & ~stay, "bent: a flip would change the surface"),
         (~criteria.at_edges & stay, "kept: an edge that must stay is in the way"),
     ):
         reason[criteria.edge_triangles[chosen].ravel()] = text
-    bad = np.flatnonzero(~criteria.plane_centered).astype(np.int32)
-    return bad, reason[bad].tolist()
+    reason[criteria.plane_centered] = ""
+    return reason
 
 
 # ---------------------------------------------------------------------- with new vertices
 
 
-def _refined(run: IntrinsicRun, near: float | None, turn: float) -> DomainMesh:
-    """Refine, straighten, and halve edges until the straight triangles are right."""
-    run.refine()
-    straight, fault, measured = straightened(run), "", 0.0
-    far = np.empty(0, dtype=np.int64)
-    for _ in range(REPAIRS):
-        sides, fault = faulty_sides(run, straight)
-        far = np.empty(0, dtype=np.int64)
-        if len(sides) == 0 and near is not None:
-            far, excess, measured = too_far(run, straight, near)
-            if len(far) == 0:
-                break
-            run.want_less(far, excess)
-        elif len(sides) == 0 or run.divide(sides) == 0:
-            break
-        run.refine()
-        straight = straightened(run)  # of all halves, also where the budget ends the repairs
-        if run.out_of_budget:
-            break
-    if not fault and near is None:
-        measured = max(run.given.support.deviation(straight.points, straight.triangles))
-    return _meshed(run, straight, fault, far, {"deviation": measured, "sharp": turn})
-
-
-def _meshed(
-    run: IntrinsicRun, straight: Straight, fault: str, far: NDArray[np.int64], figures: dict[str, float]
-) -> DomainMesh:
+def _meshed(found: Repaired, clean: Cleaned, turn: float) -> DomainMesh:
+    run, straight, wrong, far, measured, vain = found
     given, sides = run.given, run.found.sides
     markers = given.markers(straight.triangles, sides.label)
     flat = given.support.triangles.ravel()
@@ -244,18 +224,18 @@ def _meshed(
     if run.out_of_budget:
         why[rows] = "budget"
     why[far] = "budget" if run.out_of_budget else "far: it stays too far from the surface"
-    if fault:
-        why[np.unique(faulty_sides(run, straight)[0] // 3)] = f"not embedded: {fault}"
+    if wrong.text:
+        why[wrong.triangles] = f"not embedded: {NEAR_OTHERS if vain else wrong.text}"
     why[own_crossings(run, straight)] = f"not embedded: {OWN_CROSSING}"
     bad = np.flatnonzero(why != "").astype(np.int32)
     return DomainMesh(
         straight.points, straight.triangles, origin=straight.origin, markers=markers,
-        unrefined=bad, reasons=why[bad].tolist(),
+        regions=clean.regions, unrefined=bad, reasons=why[bad].tolist(),
         counts={
             "flips": run.found.counts["flips"],
             "inserted": int((straight.origin < 0).sum()),
             "repaired": run.repaired,
             "own crossings": run.own.count,
-        },
-        figures=figures,
+        } | clean.counts,
+        figures={"deviation": measured, "sharp": turn},
     )  # fmt: skip

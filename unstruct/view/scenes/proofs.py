@@ -6,15 +6,13 @@ the equation x^2 + y^2 - 2 c y = 1. With growing c, its disk grows above the seg
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ...predicates.batch import in_sphere
 from ..draw import frames as fr
 from .choices import within
 
-__all__ = ["cavity_proof_drag", "cavity_proof_state", "star_proof_drag", "star_proof_state"]
+__all__ = ["cavity_proof_state", "star_proof_state"]
 
 LEFT, RIGHT = np.array([-1.0, 0.0]), np.array([1.0, 0.0])
 ANGLE_B = 70.0  # the angle of triangle ABC at B, in degrees
@@ -71,27 +69,10 @@ def cavity_proof_state(angle_p: float = 135.0, angle_d: float = 80.0, place: flo
     return fr.frame(caption, *items, number=number, view=[-1.8, 1.8, -1.6, 1.9])
 
 
-def cavity_proof_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict[str, Any]:
-    """The values of `cavity_proof_state` that put P or D as near as possible to (x, y), after a drag."""
-    y = max(y, 1e-3)  # both points are above the edge AC
-    angle = float(np.degrees(np.arctan2(y, x - 1.0) - np.arctan2(y, x + 1.0)))
-    angle = min(max(angle, 1.0), 179.0)
-    if handle == "D":
-        return {"angle_d": angle}
-    center = 1.0 / np.tan(np.radians(angle))
-    right = np.arctan2(-center, 1.0)
-    share = (np.arctan2(y - center, x) - right) % (2 * np.pi) / (np.pi - 2 * right)
-    return {"angle_p": angle, "place": (share - 0.1) / 0.8}
-
-
-def star_proof_drag(values: dict[str, Any], handle: str, x: float, y: float) -> dict[str, Any]:
-    """The direction in `star_proof_state` from the center of circle ABP to D, after a drag to (x, y)."""
-    center = CENTER_F + values["p"] * (CENTER_E - CENTER_F)
-    return {"turn": float(np.degrees(np.arctan2(y - center, x)) % 360.0)}
-
-
 def star_proof_state(p: float = 0.5, turn: float = 60.0, hull: bool = False) -> fr.Frame:
     """Figure 12.5: a point D inside the circle of the new triangle ABP, on either side of AB.
+
+    If AB is on the hull, the cell beyond it is a ghost, whose circle is the half-plane below.
 
     Parameters
     ----------
@@ -120,7 +101,7 @@ def star_proof_state(p: float = 0.5, turn: float = 60.0, hull: bool = False) -> 
     if above:
         caption = "D on P's side: then D was inside circle ABE, which was empty"
     elif hull:
-        caption = "D beyond a hull edge: no vertex lies there"
+        caption = "D beyond a hull edge: in the half-plane of the ghost, which is empty"
     else:
         caption = "D beyond AB: then D was inside circle ABF, which was empty"
     items = [

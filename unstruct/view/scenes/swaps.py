@@ -22,9 +22,10 @@ from .choices import preset_named, within
 from .histories import flip_frames
 
 __all__ = [
+    "CORNER_X",
+    "CORNER_Y",
     "QUADRILATERALS",
     "RUNS",
-    "diagonal_choice_drag",
     "diagonal_choice_state",
     "swap_history",
     "swap_state",
@@ -32,11 +33,13 @@ __all__ = [
 
 # A, B, C and a place for D, all in [-2, 2] x [-2, 2]
 QUADRILATERALS: dict[str, dict[str, Any]] = {
-    "any quadrilateral": {"triangle": [[-1.6, -0.8], [1.2, -1.2], [1.5, 1.0]], "start": (-0.5, 1.1)},
-    "a rectangle: a tie": {"triangle": [[-1.5, -1.0], [1.5, -1.0], [1.5, 1.0]], "start": (-1.5, 1.0)},
+    "any quadrilateral": {"triangle": [[-1.6, -0.8], [1.2, -1.2], [1.5, 1.0]], "start": (-0.6, 1.0)},
+    "a rectangle: a tie": {"triangle": [[-1.6, -1.0], [1.6, -1.0], [1.6, 1.0]], "start": (-1.6, 1.0)},
     "the largest angle grows": {"triangle": [[-1.8, -1.8], [1.8, 0.6], [0.6, 1.8]], "start": (-0.6, 1.8)},
     "one triangle gets worse": {"triangle": [[-1.6, -1.6], [1.6, -1.6], [0.0, 1.6]], "start": (-1.6, 0.0)},
 }
+CORNER_X = tuple(k / 5 for k in range(-10, 2))  # the places of D in panels, all starts among them
+CORNER_Y = tuple(k / 5 for k in range(-2, 11))
 Cells = list[tuple[int, int, int]]
 APART = 2.6  # the two pictures are centered at x = -APART and x = APART
 WINDOW = [-5.2, 5.2, -2.5, 2.7]
@@ -90,11 +93,6 @@ def diagonal_choice_state(x: float, y: float, preset: str = "any quadrilateral")
         f"maximum: AC {one.max():.1f}°, BD {two.max():.1f}°"
     )
     return fr.frame(caption, *items, number=number, view=WINDOW)
-
-
-def diagonal_choice_drag(values: dict[str, Any], handle: str, px: float, py: float) -> dict[str, Any]:
-    """The values of the controls after a drag of D, which is drawn in the left picture."""
-    return {"x": px + APART, "y": py}
 
 
 def _angle(corners: np.ndarray, cells: Cells) -> np.ndarray:

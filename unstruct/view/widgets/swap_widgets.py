@@ -2,29 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from ..scenes.swaps import QUADRILATERALS, RUNS, diagonal_choice_drag, diagonal_choice_state, swap_history
-from .widgets import Panel, chosen, live, presets, slider
+from ..scenes.swaps import CORNER_X, CORNER_Y, QUADRILATERALS, RUNS, diagonal_choice_state, swap_history
+from .panels import panel
+from .player import Player
+from .widgets import Panel, chosen
 
 __all__ = ["diagonal_choice", "diagonal_swaps"]
 
 
-def diagonal_choice() -> Panel:
+def diagonal_choice() -> Player:
     """The chapter's Fig. 12.6: move D and compare the six angles for both diagonals. Book: 2.4b."""
     first = next(iter(QUADRILATERALS))
     x, y = QUADRILATERALS[first]["start"]
-    controls = {
-        "preset": presets(QUADRILATERALS),
-        "x": slider("x of D", x, -2, 2, 0.01),
-        "y": slider("y of D", y, -2, 2, 0.01),
-    }
-    alt = "A quadrilateral A, B, C, D, shown with each of its diagonals and its angles; D can be moved."
-
-    def start(preset: str) -> dict[str, Any]:
-        return dict(zip("xy", QUADRILATERALS[preset]["start"]))
-
-    return live(diagonal_choice_state, controls, alt, diagonal_choice_drag, start)
+    return panel(
+        diagonal_choice_state,
+        {"preset": list(QUADRILATERALS), "x": CORNER_X, "y": CORNER_Y},
+        alt="A quadrilateral A, B, C, D, shown with each of its diagonals and its angles; D can be moved.",
+        start={"preset": first, "x": x, "y": y},
+        labels={"x": "x of D", "y": "y of D"},
+    )
 
 
 def diagonal_swaps() -> Panel:
