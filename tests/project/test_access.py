@@ -68,10 +68,8 @@ def test_what_is_folded_has_a_name(texts: dict[str, str]) -> None:
     hidden = re.findall(
         r'<div class="cell tag_hide-cell[^>]*>\s*<details[^>]*>\s*<summary[^>]*>(.*?)</summary>', text, re.S
     )
-    assert hidden and {re.sub("<[^>]+>", "", summary).strip() for summary in hidden} == {
-        "Show the solution",
-        "Show the check",
-    }
+    names = {re.sub(r"<[^>]+>", "", summary).split("\n")[1] for summary in hidden}
+    assert names == {"Show the solution", "Show the check"}
 
 
 def test_the_map_is_made_of_links(texts: dict[str, str]) -> None:

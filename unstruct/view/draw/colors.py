@@ -70,7 +70,8 @@ class Style:
         """The color of names: that of the lines, darkened until a small text can be read on paper."""
         color = self.color
         while _luminance(color) > INK:
-            color = to_hex([0.98 * part for part in to_rgb(color)])
+            r, g, b = to_rgb(color)
+            color = to_hex((0.98 * r, 0.98 * g, 0.98 * b))
         return color
 
 
