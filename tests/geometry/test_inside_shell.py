@@ -18,7 +18,9 @@ from unstruct.geometry.inside_shell import (
     even_odd_in_space,
     front_inside,
     triangle_components,
+    volumes_to_compare,
 )
+from unstruct.predicates.batch import power_of_two
 
 NUDGE = 2.0**-52
 
@@ -163,3 +165,31 @@ def test_without_a_compiler_the_same() -> None:
         return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout
 
     assert run() == run(NUMBA_DISABLE_JIT="1") != ""
+
+
+@settings(max_examples=15)
+@given(bodies(), st.sampled_from([0, -340, -1000, 900]), st.tuples(*[st.integers(-300, 0)] * 3))
+def test_volumes_to_compare_keep_signs_and_order(body: tuple, scale: int, stretch: tuple) -> None:
+    """Of shells whose volumes are no doubles, or are equal as doubles, in any unit of length."""
+    points, triangles, front, _ = body
+    outward = np.where(front[:, None], triangles[:, ::-1], triangles)
+    points = np.ldexp(points, np.array(stretch) + scale)
+    found = volumes_to_compare(points, [outward, outward[:0], outward[:, ::-1]])
+    exact = [rational(row) for row in points.tolist()]
+    total = sum((dot(exact[a], cross(exact[b], exact[c])) for a, b, c in outward.tolist()), Fraction(0))
+    assert total > 0 and found[0] > 0 == found[1] > found[2]
+    unit = power_of_two(points)
+    assert abs(Fraction(found[0]) - total * Fraction(unit) ** 3) <= Fraction(found[0]) * Fraction(2) ** -50
+
+
+def test_a_shell_within_another_by_one_last_bit_comes_first() -> None:
+    corners = np.array(list(product((0.0, 1.0), repeat=3)))
+    rows = [(0, 3, 1), (0, 2, 3), (4, 7, 6), (4, 5, 7), (0, 5, 4), (0, 1, 5)]
+    box = np.array([*rows, (2, 7, 3), (2, 6, 7), (0, 6, 2), (0, 4, 6), (1, 7, 5), (1, 3, 7)])
+    box = np.where(front_inside(corners, box)[:, None], box[:, ::-1], box)
+    within = corners.copy()
+    within[7, 0] -= 2.0**-53
+    points = np.concatenate([corners, within, corners + 2.0])
+    assert enclosed_volume(within, box) == enclosed_volume(corners, box)
+    around, inner, apart = volumes_to_compare(points, [box, box + 8, box + 16])
+    assert inner < around and isinstance(apart, float)

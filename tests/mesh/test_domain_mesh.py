@@ -56,3 +56,13 @@ def test_an_incomplete_mesh_is_noticed():
     with warnings.catch_warnings():
         warnings.simplefilter("error", unstruct.IncompleteWarning)
         assert unstruct.refine(Domain.rectangle(), 0.3).complete
+
+
+def test_a_mesh_without_cells_is_never_complete() -> None:
+    """Methods take no domain in which nothing is inside, so an empty mesh misses what was asked for."""
+    empty = DomainMesh(np.empty((0, 3)), np.empty((0, 4), dtype=np.int32))
+    assert len(empty.unrefined) == 0 and not empty.complete
+    mesh = constrained_delaunay(Domain.polygon([(0, 0), (1, 0), (0, 1)]))
+    assert mesh.complete
+    with pytest.raises(AttributeError):
+        mesh.complete = True  # type: ignore[misc]

@@ -232,6 +232,7 @@ def test_second_derivatives_give_directions_lengths_and_the_error(mesh: unstruct
         ({"error": 0}, "error"), ({"lower": 2.0}, "bounds"), ({"ratio": 0.5}, "ratio"),
         ({"ratio": 1e9}, "ratio"),
         ({"second": found[1:]}, "shape"), ({"second": np.where(found > 0, np.nan, found)}, "vertex 0"),
+        ({"second": np.add(found, [[0.0, 1e-3], [0.0, 0.0]])}, "must be symmetric"),
     ):  # fmt: skip
         options: dict[str, Any] = {"second": found, "error": 1e-3, "lower": 0.01, "upper": 1.0} | change
         with pytest.raises(InputError, match=text):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -152,3 +154,27 @@ def test_faces_see_the_metric() -> None:
     assert wanted_triangles(metric, corners, 1.0) == pytest.approx(area, rel=1e-6)
     same = sizing.directional_space(np.eye(3), [0.3] * 3)
     assert wanted_triangles(as_size(0.3), corners, 2.0) == pytest.approx(wanted_triangles(same, corners, 1.0))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("scale", (1e-300, 1e-200, 1.0, 1e200, 1e300))
+def test_long_and_short_vectors(scale: float) -> None:
+    """Squares of vectors are no doubles here: lengths were infinite or zero, and sizes NaN."""
+    x, v = np.zeros((2, 3)), np.array([[1.0, 2.0, 2.0], [0.0, 0.0, 0.0]])
+    metric = sizing.directional_space(np.eye(3), [0.5, 0.2, 0.1])
+    np.testing.assert_allclose(metric.length(x, v * scale), metric.length(x, v) * scale, rtol=1e-14)
+    np.testing.assert_allclose(metric.along(x, v * scale), metric.along(x, v), rtol=1e-14)
+    assert metric.along(x, v)[1] == 0.5 and metric.length(x, v)[1] == 0.0
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("dimension", (2, 3))
+@pytest.mark.parametrize("entry", (1e-300, 1e300, 1.7e308))
+def test_metrics_beyond_all_lengths_are_refused(dimension: int, entry: float) -> None:
+    make: Any = sizing.Metric if dimension == 2 else sizing.SpaceMetric
+    for matrix in (np.eye(dimension) * entry, np.full((dimension, dimension), entry)):
+        metric = make(lambda x, matrix=matrix: np.tile(matrix, (len(x), 1, 1)))
+        x = np.ones((1, dimension))
+        for asked in (metric.lengths, lambda x, m=metric: m.along(x, x), lambda x, m=metric: m.length(x, x)):
+            with pytest.raises(InputError, match="metric is"):
+                asked(x)

@@ -22,7 +22,10 @@ from .boxes import BoxTree, bounding_boxes
 from .parity import PARTIALS, add_exactly
 from .triangle_pairs import place_in_triangle, side, turn, unit_points
 
-__all__ = ["enclosed_volume", "even_odd_in_space", "front_inside", "side_mates", "triangle_components"]
+__all__ = [
+    "enclosed_volume", "even_odd_in_space", "front_inside", "side_mates", "triangle_components",
+    "volumes_to_compare",
+]  # fmt: skip
 
 RAYS_AT_ONCE = 1 << 14
 TERMS = 24  # products that each triangle adds to six times a volume
@@ -294,7 +297,7 @@ def _six_volumes_nearly(xyz, triangles, sums):
 
 
 def _rounded_sum(xyz: np.ndarray, triangles: np.ndarray) -> float:
-    """The sum of all determinants, correctly rounded.
+    """The sum of all determinants, correctly rounded but for what underflows.
 
     Let u be 2^-53 and n the number of terms, A the sum of their magnitudes. The errors that enter the third
     sum have magnitudes of n^2 u^2 A at most in all, so it errs by n^3 u^3 A at most (T. Ogita, S. Rump,
@@ -311,6 +314,53 @@ def _rounded_sum(xyz: np.ndarray, triangles: np.ndarray) -> float:
     partials = np.empty(PARTIALS)
     count = _six_volumes(xyz, triangles, partials)
     return fsum(partials[:count].tolist())
+
+
+def _exact_sum(xyz: np.ndarray, triangles: np.ndarray) -> Fraction:
+    """The sum of all determinants in rational arithmetic."""
+    used, place = np.unique(triangles, return_inverse=True)
+    x = [tuple(map(Fraction, row)) for row in xyz[used].tolist()]
+    total = Fraction(0)
+    for i, j, k in place.reshape(-1, 3).tolist():
+        a, b, c = x[i], x[j], x[k]
+        for m in range(3):
+            total += a[m] * (b[m - 2] * c[m - 1] - b[m - 1] * c[m - 2])
+    return total
+
+
+def volumes_to_compare(points: np.ndarray, shells: list[np.ndarray]) -> list[float | Fraction]:
+    """Six times the volumes inside of closed triangles whose normals point out, in one unit; exact signs.
+
+    So is the order of two of which one may be within the other: that of rational numbers where doubles are
+    equal and one box holds the other, or where volumes are nearly lost below the smallest doubles in that
+    unit, the largest coordinate. Neither depends on the unit of length of the points.
+    """
+    xyz = points * power_of_two(points)
+    rows = [one.astype(np.int64) for one in shells]
+    found: list[float | Fraction] = [_rounded_sum(xyz, one) if len(one) else 0.0 for one in rows]
+    known = np.array(found)
+    count = np.array([len(one) for one in rows])
+    lost = np.abs(known) <= 2.0**54 * TERMS * float(LEAST_TERM) * count
+    lost |= _may_nest(xyz, rows, np.unique(known, return_inverse=True)[1])
+    for i in np.flatnonzero(lost & (count > 0)).tolist():
+        found[i] = _exact_sum(xyz, rows[i])
+    return found
+
+
+def _may_nest(xyz: np.ndarray, rows: list[np.ndarray], same: np.ndarray) -> np.ndarray:
+    """Which shells have the same number as another one whose box holds theirs, or lies in it."""
+    found = np.zeros(len(rows), dtype=bool)
+    often = np.bincount(same, minlength=1)[same] > 1
+    several = np.array([i for i in np.flatnonzero(often).tolist() if len(rows[i])], dtype=np.int64)
+    if len(several):
+        corners = [xyz[rows[i].ravel()] for i in several.tolist()]
+        low = np.array([x.min(axis=0) for x in corners])
+        high = np.array([x.max(axis=0) for x in corners])
+        one, two = BoxTree(low, high).pairs(low, high)
+        within = (low[one] >= low[two]).all(axis=1) & (high[one] <= high[two]).all(axis=1)
+        pairs = within & (one != two) & (same[several[one]] == same[several[two]])
+        found[several[one[pairs]]] = found[several[two[pairs]]] = True
+    return found
 
 
 def enclosed_volume(points: np.ndarray, triangles: np.ndarray) -> float:

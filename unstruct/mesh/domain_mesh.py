@@ -69,7 +69,8 @@ class DomainMesh(Mesh):
     Attributes
     ----------
     complete : bool
-        Whether everything that was asked for was reached; ``unrefined`` is then empty.
+        Whether everything that was asked for was reached: ``unrefined`` is then empty, and there are cells,
+        since no method takes a domain in which nothing is inside.
     left_out : ndarray of int32, shape (k,)
         The rows of points given besides the domain that are outside of it, and not in the mesh.
     """
@@ -107,6 +108,11 @@ class DomainMesh(Mesh):
             self.face_piece = frozen(np.asarray(() if face_piece is None else face_piece, np.int32))
         if len(self.faces) != len(self.face_piece):
             raise InputError("face_piece must have one entry per face")
+
+    @property
+    def complete(self) -> bool:
+        """Whether everything that was asked for was reached."""
+        return self.size > 0 and len(self.unrefined) == 0
 
     @property
     def steiner(self) -> NDArray[np.int32]:
@@ -186,7 +192,6 @@ class DomainMesh(Mesh):
                     f"{len(self.unrefined)} cells are unrefined, but {why.shape} reasons are given"
                 )
             self.reasons = frozen(why)
-        self.complete: bool = len(self.unrefined) == 0
         self.counts: dict[str, int] = {name: int(count) for name, count in (counts or {}).items()}
         self.figures: dict[str, float] = {name: float(x) for name, x in (figures or {}).items()}
         self.steps: dict[str, NDArray] | None = None if steps is None else dict(steps)

@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 
 from ..base.arrays import distinct
 from ..base.jit import kernel
+from ..geometry.edge_vectors import lengths
 from ..mesh.domain_mesh import DomainMesh
 from ..mesh.locate import Locator
 from ..mesh.mesh import Mesh
+from ..predicates.batch import power_of_two
 from .field import SizeField, as_size
 from .metric import Metric
 
@@ -153,9 +155,10 @@ def _by_region(mesh: Mesh, size: Any) -> list[tuple[SizeField, Integers]]:
 
 
 def _asked(mesh: Mesh, field: SizeField, rows: Integers, longer: float) -> TooLarge:
-    points, cells = mesh.points, mesh.simplices
+    points, cells, factor = mesh.points, mesh.simplices, power_of_two(mesh.points)
     center, longest, reach = np.empty((len(rows), points.shape[1])), np.empty(len(rows)), np.empty(len(rows))
-    _measure(points, cells, rows, center, longest, reach)
+    _measure(points * factor, cells, rows, center, longest, reach)  # squares of lengths may be no doubles
+    center, longest, reach = center / factor, longest / factor, reach / factor
     bound = longest / longer
     slack = np.zeros(len(rows)) if field.growth is None else field.growth * reach
     h = field.below(center, bound + slack)
@@ -177,7 +180,9 @@ def _at_vertices(
     points: Array, cells: NDArray[np.int32], field: SizeField, rows: Integers, longer: float
 ) -> tuple[Integers, Array]:
     shortest = np.full(len(points), np.inf)
-    _shortest_at(points, cells, shortest)
+    factor = power_of_two(points)
+    _shortest_at(points * factor, cells, shortest)
+    shortest /= factor
     used = distinct(cells[rows])
     bound = shortest[used] / longer
     bad = used[field.below(points[used], bound) < bound]
@@ -199,8 +204,7 @@ def _at_landmarks(
     shortest = np.full(len(own), np.inf)
     for i in range(own.shape[1]):
         for j in range(i):
-            length = np.sqrt(((points[own[:, i]] - points[own[:, j]]) ** 2).sum(axis=1))
-            np.minimum(shortest, length, out=shortest)
+            np.minimum(shortest, lengths(points[own[:, i]] - points[own[:, j]]), out=shortest)
     bound = shortest[cell] / longer
     bad = field.below(marks[query], bound) < bound
     return rows[cell[bad]], marks[query[bad]]
@@ -262,5 +266,4 @@ def _listed(mesh: DomainMesh, cells: Integers) -> DomainMesh:
     rows = sorted(why)
     mesh.unrefined = np.array(rows, dtype=np.int32)
     mesh.reasons = np.array([why[cell] for cell in rows], dtype=str)
-    mesh.complete = len(rows) == 0
     return mesh

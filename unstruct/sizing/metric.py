@@ -106,9 +106,10 @@ class Metric(AnyMetric):
     def _length(self, x: ArrayLike, v: Array) -> Array:
         a, b, c = self.inverses(x).T
         # With B = U U', U upper triangular, the length is that of the solution of U w = v.
-        second = v[:, 1] / np.sqrt(c)
-        first = (v[:, 0] - b / c * v[:, 1]) / np.sqrt(a - b / c * b)
-        return np.hypot(first, second)
+        with np.errstate(over="ignore"):  # what is longer than all doubles is infinite
+            second = v[:, 1] / np.sqrt(c)
+            first = (v[:, 0] - b / c * v[:, 1]) / np.sqrt(a - b / c * b)
+            return np.hypot(first, second)
 
     def table(
         self,
@@ -173,9 +174,9 @@ def symmetric_rows(matrices: Any, what: str, points: Array | None = None, first:
     if raw.dtype.kind not in "fiu" or np.ma.isMaskedArray(matrices):
         raise InputError(f"{what} must give plain real numbers, not {type(matrices)} of {raw.dtype}")
     array = raw.astype(np.float64)
-    rows = np.stack([array[:, 0, 0], 0.5 * (array[:, 0, 1] + array[:, 1, 0]), array[:, 1, 1]], axis=1)
-    large, small = spectrum(rows)
     with np.errstate(invalid="ignore", over="ignore", under="ignore"):
+        rows = np.stack([array[:, 0, 0], 0.5 * (array[:, 0, 1] + array[:, 1, 0]), array[:, 1, 1]], axis=1)
+        large, small = spectrum(rows)
         even = np.abs(array[:, 0, 1] - array[:, 1, 0]) <= 1e-12 * large
         positive = np.isfinite(array).all(axis=(1, 2)) & (rows[:, 0] > 0) & (rows[:, 2] > 0) & (small > 0)
         positive &= (large < LEAST_WANTED**-2.0) & (small > LEAST_WANTED**2.0)

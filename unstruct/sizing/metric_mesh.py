@@ -28,6 +28,7 @@ __all__ = ["BackgroundMetric", "gradation", "metric_background", "metric_from_he
 Array = NDArray[np.float64]
 SPACES = {2: ("metric", "plane"), 3: ("metric", "space")}
 MOST_SWEEPS = 1000  # over all edges
+UNEVEN_BY_ROUNDING = 2.0**-30  # by what entries across the diagonal may differ, as a share of the largest one
 LEAST_CHANGE = 1e-9  # a sweep that shortens no length by more than this, relatively, is the last one
 
 
@@ -143,8 +144,8 @@ def metric_from_hessian(
     Raises
     ------
     MeshError, InputError
-        For any other mesh; for derivatives that are not finite, with their vertex, and for bounds that are
-        not positive or not in order.
+        For any other mesh; for derivatives that are not finite, or not symmetric up to rounding, with their
+        vertex, and for bounds that are not positive or not in order.
 
     Notes
     -----
@@ -159,7 +160,7 @@ def metric_from_hessian(
     most = MOST_STRETCH if d == 2 else MOST_SPACE_STRETCH
     if not 1 <= finite(ratio, "ratio") <= most:
         raise InputError(f"ratio must lie between 1 and {most:g}, not {ratio!r}")
-    even = (array + array.transpose(0, 2, 1)) / 2
+    even = _symmetric(array)
     if d == 2:
         values, vectors = np.linalg.eigh(even)
     else:
@@ -171,6 +172,20 @@ def metric_from_hessian(
     length = np.minimum(length, ratio * length.min(axis=1, keepdims=True))
     matrices = np.einsum("nij,nj,nkj->nik", vectors, 1.0 / (length * length), vectors)
     return metric_background(mesh, matrices)
+
+
+def _symmetric(second: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The means of matrices (n, d, d) and their transposes, which may differ by rounding."""
+    turned = second.transpose(0, 2, 1)
+    size = np.abs(second).max(axis=(1, 2), initial=0.0)
+    apart = np.abs(second / 2 - turned / 2).max(axis=(1, 2), initial=0.0)
+    if (apart > UNEVEN_BY_ROUNDING * size).any():
+        row = int(np.argmax(apart > UNEVEN_BY_ROUNDING * size))
+        raise InputError(
+            f"the second derivatives at vertex {row} are {second[row].tolist()}; they must be symmetric"
+        )
+    even: NDArray[np.float64] = second / 2 + turned / 2
+    return even
 
 
 def gradation(

@@ -91,14 +91,20 @@ class SpaceMetric(AnyMetric):
         if v.shape != (len(rows), 3):
             raise InputError(f"vectors must have shape ({len(rows)}, 3), not {v.shape}")
         a, b, c, d, e, f = cholesky_rows(rows).T
+        exponent = np.frexp(np.abs(v).max(axis=1, initial=0.0))[1]
+        v = np.ldexp(v, -exponent[:, None])  # squares of long and short vectors may be no doubles
         one = v[:, 0] / a
         two = (v[:, 1] - b * one) / c
         three = (v[:, 2] - d * one - e * two) / f
-        return np.sqrt(one * one + two * two + three * three)
+        with np.errstate(over="ignore"):
+            return np.ldexp(np.sqrt(one * one + two * two + three * three), exponent)
 
     def along(self, x: ArrayLike, direction: ArrayLike) -> Array:
         """The wanted length in a direction: (k, 3), (k, 3) -> (k,); the length of a direction is ignored."""
         v = as_numbers(direction, "direction")
+        size = np.abs(v).max(axis=1, initial=0.0)
+        v = np.where(size[:, None] > 0, v, [1.0, 0.0, 0.0])
+        v = np.ldexp(v, -np.frexp(size)[1][:, None])  # squares of long and short vectors may be no doubles
         return np.sqrt(np.square(v).sum(axis=1)) / self.length(x, v)
 
     def table(self, lower: ArrayLike, upper: ArrayLike, factor: float = 1.0) -> SpaceMetricNodes:
@@ -293,13 +299,15 @@ def matrix_rows(matrices: Any, points: Array, first: int = 0) -> Array:
         raise InputError(
             f"metric must have shape {(len(points), 3, 3)} for {len(points)} points, not {array.shape}"
         )
-    rows = 0.5 * (array[:, IN_ROW[0], IN_ROW[1]] + array[:, IN_ROW[1], IN_ROW[0]])
+    rows = 0.5 * array[:, IN_ROW[0], IN_ROW[1]] + 0.5 * array[:, IN_ROW[1], IN_ROW[0]]
     size = np.abs(array).max(axis=(1, 2), initial=0.0)
     finite = np.isfinite(size) & (size > 0)
-    even = np.abs(array - array.swapaxes(1, 2)).max(axis=(1, 2), initial=0.0) <= SYMMETRIC_UP_TO * size
+    half = 0.5 * array
+    apart = np.abs(half - half.swapaxes(1, 2)).max(axis=(1, 2), initial=0.0)
+    even = apart <= 0.5 * SYMMETRIC_UP_TO * size
     values = spectrum_in_space(np.where(finite[:, None], rows, [1.0, 0, 1, 0, 0, 1]))[0]
     positive = finite & (values[:, 2] > 0)
-    near = values[:, 0] <= MOST_SPACE_STRETCH**2 * values[:, 2] * (1 + 1e-3)
+    near = values[:, 0] / (MOST_SPACE_STRETCH**2 * (1 + 1e-3)) <= values[:, 2]
     near &= (values[:, 2] > LEAST_IN_SPACE**2) & (values[:, 0] < LEAST_IN_SPACE**-2)
     bad = ~(even & positive & near)
     if bad.any():

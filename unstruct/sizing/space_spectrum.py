@@ -95,7 +95,8 @@ def spectrum_in_space(rows: Array) -> tuple[Array, Array]:
     size = np.where(size > 0.0, size, 1.0)
     _spectra(rows / size[:, None], values, vectors)
     order = np.argsort(-values, axis=1, kind="stable")
-    values = np.take_along_axis(values, order, axis=1) * size[:, None]
+    with np.errstate(over="ignore"):  # then an eigenvalue is larger than all doubles
+        values = np.take_along_axis(values, order, axis=1) * size[:, None]
     return values, np.take_along_axis(vectors, order[:, :, None], axis=1)
 
 

@@ -31,6 +31,22 @@ def test_nested_cubes() -> None:
     assert found.back.reshape(3, -1)[:, 0].tolist() == [2, 2, 0]
 
 
+@pytest.mark.parametrize("exponent", (-1000, -370, -340, 340, 900))
+@pytest.mark.parametrize("stretch", ((0, 0, 0), (-300, 0, 0), (-450, -450, 0)))
+def test_parts_in_any_unit_and_of_needles(exponent: int, stretch: tuple[int, int, int]) -> None:
+    """A volume below the smallest doubles is one: nothing was inside of a body of size 1e-110."""
+    points = np.ldexp(np.vstack([CORNERS * 4, CORNERS + 1]), np.maximum(np.array(stretch) + exponent, -1000))
+    found = parts_in_space(points, np.vstack([CUBE, CUBE + 8]).astype(np.int32))
+    assert len(found.walls) == 2 and sorted({*found.front.tolist(), *found.back.tolist()}) == [-1, 0, 1]
+    assert found.front[0] == UNBOUNDED and found.back[0] == found.front[12] == 1 and found.back[12] == 0
+
+
+def test_a_tiny_hollow_beside_a_large_body() -> None:
+    points = np.vstack([CORNERS * 2 - 1, (CORNERS - 0.5) * 1e-120])
+    found = parts_in_space(points, np.vstack([CUBE, CUBE + 8]).astype(np.int32))
+    assert len(found.walls) == 2 and found.front[12] == 1 and found.back[12] == 0
+
+
 @settings(max_examples=30, deadline=None)
 @given(st.integers(0, 10**6), st.integers(1, 3))
 def test_unit_cubes_of_a_grid(seed: int, size: int) -> None:

@@ -75,6 +75,38 @@ def test_the_other_cells_are_stuffed() -> None:
     assert kept < {frozenset(map(tuple, x)) for x in plain.points[plain.simplices].tolist()}
 
 
+@pytest.mark.filterwarnings("ignore::unstruct.IncompleteWarning")
+@pytest.mark.parametrize("graded", (False, True))
+@pytest.mark.parametrize("seed", range(6))
+def test_the_strip_has_the_size_of_the_cells_beside_it(seed: int, graded: bool) -> None:
+    """Sizes that vary: edges of the size in a strip as wide as a smaller cell gave angles of 5 degrees."""
+    rng = np.random.default_rng(seed)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    box, low, growth = Domain.box(), rng.uniform(0.1, 0.16), rng.uniform(0.1, 0.4)
+    body, place = Domain(box.points @ turn, box.facets), rng.uniform(0.0, 0.6, 3) @ turn
+
+    def size(x: np.ndarray) -> np.ndarray:
+        return low + growth * np.sqrt(np.square(x - place).sum(axis=1))
+
+    mesh = isosurface_stuffing(body, size, features=30, graded=graded)
+    assert check(mesh) and mesh.volume == pytest.approx(1.0, rel=1e-12)
+    assert mesh.counts["strip"] > 0 and not any("not kept" in why for why in mesh.reasons)
+    least, most = mesh.quality("min_dihedral"), mesh.quality("max_dihedral")
+    poor = np.flatnonzero((least < 10.0) | (most > 165.0))
+    assert np.isin(poor, mesh.unrefined).all() and len(poor) <= 2
+    if not graded:
+        assert least.min() > 12.0 and most.max() < 158.0
+
+
+@pytest.mark.filterwarnings("ignore::unstruct.IncompleteWarning")
+def test_poor_cells_of_the_strip_are_listed() -> None:
+    """In a wedge of 6 degrees there must be some."""
+    mesh = isosurface_stuffing(turned(wedge(np.pi / 30)), 0.03, features=30)
+    poor = np.flatnonzero((mesh.quality("min_dihedral") < 10.0) | (mesh.quality("max_dihedral") > 165.0))
+    assert len(poor) > 0 and not mesh.complete and np.isin(poor, mesh.unrefined).all()
+    assert "in the strip along a sharp edge" in " ".join(mesh.reasons)
+
+
 def test_names_stay() -> None:
     mesh = isosurface_stuffing(Domain.box(), 0.3, features=30)
     assert sum(map(len, mesh.markers.values())) == len(mesh.boundary)

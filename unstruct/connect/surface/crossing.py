@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...base.jit import inline, kernel
 from ...geometry.boxes import BOXES_IN_LEAF, BoxTree, bounding_boxes
+from ...geometry.edge_vectors import exponents
 from .sphere_signs import as_integers
 
 __all__ = ["Duals", "centers_of", "dual_crossings", "in_triangle", "meets_exactly", "on_line", "plane_center"]
@@ -200,7 +201,9 @@ def _crossings(duals, tree, corner, normals, first, sure, doubt):
 
 def unit_normals(corner: Array) -> Array:
     """Unit normals of triangles (t, 3, 3)."""
-    n = _cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    edges = corner[:, 1:] - corner[:, :1]
+    edges = np.ldexp(edges, -exponents(edges)[:, None, None])  # products of lengths may be no doubles
+    n = _cross(edges[:, 0], edges[:, 1])
     length = np.sqrt(n[:, 0] ** 2 + n[:, 1] ** 2 + n[:, 2] ** 2)
     return n / np.where(length > 0.0, length, 1.0)[:, None]
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...base.arrays import distinct
 from ...base.jit import kernel
-from ...geometry.inside_shell import enclosed_volume, even_odd_in_space
+from ...geometry.inside_shell import even_odd_in_space, volumes_to_compare
 from ...geometry.triangle_pairs import side, unit_points
 
 __all__ = ["UNBOUNDED", "Parts", "parts_in_space"]
@@ -166,8 +166,8 @@ def parts_in_space(points: np.ndarray, triangles: np.ndarray) -> Parts:
     sides = sides[np.argsort(wall[sides], kind="stable")]
     outward = np.where((sides % 2 == 1)[:, None], triangles[sides // 2], triangles[sides // 2][:, ::-1])
     rows = np.split(outward, np.searchsorted(wall[sides], np.arange(1, wall.max() + 1)))
-    volumes = np.array([enclosed_volume(points, part) if len(part) else 0.0 for part in rows])
-    around = [i for i in np.argsort(volumes, kind="stable").tolist() if volumes[i] > 0]
+    volumes = volumes_to_compare(points, rows)
+    around = sorted((i for i in range(len(rows)) if volumes[i] > 0), key=volumes.__getitem__)
     owner = np.full(len(rows), UNBOUNDED)
     owner[around] = np.arange(len(around))
     of_wall = np.empty(len(rows), dtype=np.int64)  # the body of each wall
@@ -180,7 +180,7 @@ def parts_in_space(points: np.ndarray, triangles: np.ndarray) -> Parts:
     pairs = np.column_stack([keys >> 32, keys & (2**32 - 1)])
     many = np.bincount(pairs[:, 1], minlength=len(points))
     begin = np.searchsorted(pairs[:, 0], np.arange(body.max() + 2))
-    other = np.flatnonzero(volumes <= 0)
+    other = np.setdiff1d(np.arange(len(rows)), around)
     x = np.empty((len(other), 3))
     for i, mine in enumerate(of_wall[other].tolist()):
         vertices = pairs[begin[mine] : begin[mine + 1], 1]

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ...base.errors import InputError
 from ...domain.domain import Domain
 from ...domain.plane.by_size import evenly
+from ...geometry.edge_vectors import lengths
 from ...mesh.grouping import group_rows
 from ...predicates.batch import power_of_two
 from ...sizing.field import SizeField
@@ -100,8 +101,7 @@ class _Edges:
         self.points, self.pieces = points, ends
         self._start, end = points[ends].transpose(1, 0, 2)
         self.along = end - self._start
-        factor = power_of_two(points)
-        self.length = np.linalg.norm(self.along * factor, axis=1) / factor
+        self.length = lengths(self.along)
 
     def in_space(self, piece: Numbers, t: Array) -> Array:
         """Points of many edges by parameters, (k, 3)."""
@@ -277,7 +277,7 @@ def _too_coarse(domain: Domain, field: Wish, patches: Patches, everything: bool)
     for i, j in ((0, 1), (1, 2), (2, 0)):
         side = x[:, i] - x[:, j]
         wanted = wanted_along(field, (x[:, i] + x[:, j]) / 2, side)
-        large[shell.piece[np.linalg.norm(side, axis=1) > COARSE_PATCH * wanted]] = True
+        large[shell.piece[lengths(side) > COARSE_PATCH * wanted]] = True
     may = large[patches.piece]
     return may if everything else may & shapes_of(domain)[patches.piece]
 

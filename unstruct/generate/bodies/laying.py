@@ -148,13 +148,19 @@ def meshed(
     every, rows, patch = [points], [np.empty((0, 3), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
     have = len(points)
     for group in groups:
-        unit = np.sqrt(low[group] * high[group]) if small[group[0]] else None
+        unit = _mean_size(low[group], high[group]) if small[group[0]] else None
         cells, owner, new = _of_group(laid, group, unit, field, (have, most, fill))
         have, most = have + len(new), most - len(new)
         every.append(new)
         rows.append(cells)
         patch.append(group[owner])
     return np.concatenate(every), np.concatenate(rows), np.concatenate(patch)
+
+
+def _mean_size(low: Array, high: Array) -> Array:
+    """Geometric means of sizes, whose products may be no doubles."""
+    exponent = np.frexp(low)[1]
+    return np.ldexp(np.sqrt(np.ldexp(low, -exponent) * np.ldexp(high, -exponent)), exponent)
 
 
 def _of_group(

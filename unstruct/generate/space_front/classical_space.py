@@ -132,7 +132,6 @@ def classical_in_space(
     listed |= dict(zip(mesh.unrefined.tolist(), mesh.reasons.tolist()))
     mesh.unrefined = np.array(sorted(listed), dtype=np.int32)
     mesh.reasons = np.array([listed[cell] for cell in sorted(listed)], dtype=str)
-    mesh.complete = not listed
     return mesh
 
 

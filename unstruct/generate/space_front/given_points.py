@@ -205,5 +205,4 @@ def _judged(mesh: DomainMesh, by_front: int) -> DomainMesh:
     listed = sorted(why)
     mesh.unrefined = np.array(listed, dtype=np.int32)
     mesh.reasons = np.array([why[one] for one in listed], dtype=str)
-    mesh.complete = not listed
     return mesh

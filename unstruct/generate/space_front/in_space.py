@@ -12,6 +12,7 @@ from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain
 from ...domain.space.by_part import size_by_part
+from ...geometry.edge_vectors import lengths
 from ...mesh.domain_mesh import DomainMesh
 from ...sizing.asked import COARSE_BOUNDARY, MUCH_LONGER, asked_again
 from ...sizing.field import SizeField, as_size
@@ -94,7 +95,7 @@ def _finished(mesh: DomainMesh, field: SizeField, finish: bool, progress: bool, 
     large = larger_cells(better, field)
     why = NO_ROOM_FOR_POINT if cut else NO_ROOM_FOR_POINT + COARSE_BOUNDARY
     better.unrefined, better.reasons = large, np.full(len(large), why)
-    better.complete, better.steps = len(large) == 0, mesh.steps
+    better.steps = mesh.steps
     return better
 
 
@@ -104,5 +105,5 @@ def larger_cells(mesh: DomainMesh, field: SizeField) -> NDArray[np.int32]:
     wanted = field(corners.mean(axis=1))
     longest = np.zeros(len(corners))
     for i, j in EDGES_OF_CELL:
-        np.maximum(longest, np.square(corners[:, i] - corners[:, j]).sum(axis=1), out=longest)
-    return np.flatnonzero(longest > (MUCH_LONGER * wanted) ** 2).astype(np.int32)
+        np.maximum(longest, lengths(corners[:, i] - corners[:, j]), out=longest)
+    return np.flatnonzero(longest > MUCH_LONGER * wanted).astype(np.int32)

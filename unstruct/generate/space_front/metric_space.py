@@ -111,7 +111,6 @@ def metric_space_front(
     long = measured(mesh, metric)[0].max(axis=1, initial=0.0) > LONG_IN_METRIC
     mesh.unrefined = np.flatnonzero(long).astype(np.int32)
     mesh.reasons = np.full(len(mesh.unrefined), "too large: no room for a point")
-    mesh.complete = len(mesh.unrefined) == 0
     return mesh
 
 

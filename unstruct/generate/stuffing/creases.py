@@ -31,6 +31,7 @@ __all__ = ["Creases", "Filled", "creases_of", "with_creases"]
 Array = NDArray[np.float64]
 SEEDS = 4  # with which the strip is filled, until it is filled exactly
 STRIP_WIDTH = 1.0  # of a cell: cells with a vertex so near to a crease are taken out
+GRADED_STRIP = 1.4  # the same where cells along the surface differ
 
 
 class Creases(NamedTuple):
@@ -132,11 +133,13 @@ def with_creases(
     mesh : (points, cells, on_surface)
         What was stuffed.
     size : (field, cell)
-        The wanted size, and the side of the cells along the surface.
+        The size of the strip, and the side of the smallest cells along the surface.
     progress : bool
     """
     points, cells, on_surface = mesh
-    part, gone = _taken_out(domain, creases, mesh, size[1])
+    field, cell = size
+    width = STRIP_WIDTH * cell if field.constant is not None else GRADED_STRIP * field(points)
+    part, gone = _taken_out(domain, creases, mesh, width)
     kept = cells[~gone]
     faces, _ = boundary_faces(kept, np.ones(len(points), dtype=bool))
     outer = _among(faces, boundary_faces(cells, on_surface)[0])
@@ -146,7 +149,7 @@ def with_creases(
     for k in range(len(creases.frames)):
         covered = faces[outer & (part[faces[:, 0]] == k)].astype(np.int64) + offset
         try:
-            found, more = _between(creases, k, covered, everything, size[0])
+            found, more = _between(creases, k, covered, everything, field)
         except DomainError:  # rounding of the input makes the outline cross itself
             return None, gone
         triangles.append(found)
@@ -159,7 +162,7 @@ def with_creases(
     for seed in range(SEEDS):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", IncompleteWarning)
-            filled = tetrahedralize(strip, size[0], split_boundary=False, seed=seed, progress=progress)
+            filled = tetrahedralize(strip, field, split_boundary=False, seed=seed, progress=progress)
         whole = filled.counts["missing triangles"] == 0 and filled.counts["missing segments"] == 0
         if whole and not len(filled.steiner):
             rows = kept.astype(np.int64) + offset
@@ -171,7 +174,7 @@ def _taken_out(
     domain: Domain,
     creases: Creases,
     mesh: tuple[Array, NDArray[np.int32], NDArray[np.bool_]],
-    cell: float,
+    width: float | Array,
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """The flat part on which each vertex of the surface lies (-1 for others), and the cells near creases."""
     points, cells, on_surface = mesh
@@ -182,7 +185,7 @@ def _taken_out(
     part[rows] = creases.part[which]
     near = np.zeros(len(points), dtype=bool)
     if len(creases.segments):
-        near = SegmentTree(creases.points[creases.segments]).distance(points) <= STRIP_WIDTH * cell
+        near = SegmentTree(creases.points[creases.segments]).distance(points) <= width
     parts = part[cells]
     most = parts.max(axis=1)
     several = ((parts >= 0) & (parts != most[:, None])).any(axis=1)

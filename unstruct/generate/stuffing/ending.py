@@ -16,6 +16,7 @@ from ...mesh.embedding import RidgeFans
 from ...mesh.grouping import group_rows, sort_rows
 from ...mesh.manifold import fans_of_faces
 from ...mesh.topology import neighbors
+from ...predicates.batch import power_of_two
 
 __all__ = ["boundary_faces", "nearest_on", "overlapping_cells", "pinched_vertices"]
 
@@ -79,9 +80,9 @@ def _nearest_places(x, corners, which, places):
 
 def nearest_on(x: Array, corners: Array, which: NDArray[np.int64]) -> Array:
     """The points of given triangles that are nearest to x (k, 3)."""
-    places = np.empty(x.shape)
-    _nearest_places(x, corners, which, places)
-    return places
+    places, factor = np.empty(x.shape), power_of_two(np.concatenate([x, corners.reshape(-1, 3)]))
+    _nearest_places(x * factor, corners * factor, which, places)  # products of lengths may be no doubles
+    return places / factor
 
 
 def overlapping_cells(

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from ...base.jit import apart, kernel
 from ...domain.space.cutting import Shell
 from ...geometry.boxes import BoxTree, bounding_boxes
+from ...geometry.edge_vectors import cross, lengths
+from ...predicates.batch import power_of_two
 from ...sizing.field import SizeField
 
 __all__ = ["COARSE_FALL", "CoarseFacets", "coarse_facets", "square_from_triangle"]
@@ -72,13 +74,15 @@ class CoarseFacets:
     """
 
     def __init__(self, corners: Array):
-        self._corners = np.ascontiguousarray(corners)
+        self._factor = power_of_two(corners)  # fourth powers of very small or large lengths are no doubles
+        self._corners = np.ascontiguousarray(corners * self._factor)
         side = corners - np.roll(corners, -1, axis=1)
-        length = np.sqrt(side[..., 0] ** 2 + side[..., 1] ** 2 + side[..., 2] ** 2)
-        normal = np.cross(side[:, 0], side[:, 1])
-        area = np.sqrt(normal[:, 0] ** 2 + normal[:, 1] ** 2 + normal[:, 2] ** 2)  # twice that
-        self.weight, self.longest = AS_LARGE * np.sqrt(area), length.max(axis=1)
-        low, high = bounding_boxes(self._corners)
+        longest = lengths(side).max(axis=1)
+        exponent = np.frexp(longest)[1]
+        unit = np.ldexp(side, -exponent[:, None, None])  # products of lengths may be no doubles
+        area = lengths(cross(unit[:, 0], unit[:, 1]))  # twice that
+        self.weight, self.longest = AS_LARGE * np.ldexp(np.sqrt(area), exponent), longest
+        low, high = bounding_boxes(np.ascontiguousarray(corners))
         reach, far = (self.weight / COARSE_FALL)[:, None], COARSE_REACH * self.longest[:, None]
         self._tree, self._wide = BoxTree(low - reach, high + reach), BoxTree(low - far, high + far)
 
@@ -91,12 +95,13 @@ class CoarseFacets:
         return self._most(self._wide, COARSE_REACH * self.longest, 1.0, x, np.zeros(len(x))) > 0.0
 
     def _most(self, tree: BoxTree, weight: Array, fall: float, x: Array, least: Array) -> Array:
-        found = least.copy()
+        factor = self._factor
+        found, weight = least * factor, weight * factor
         for i in range(0, len(x), ASKED_OF_FACETS):
             rows = x[i : i + ASKED_OF_FACETS]
             query, hit = tree.pairs(rows, rows)
-            _raise(rows, self._corners, weight, query, hit, fall, found[i : i + ASKED_OF_FACETS])
-        return found
+            _raise(rows * factor, self._corners, weight, query, hit, fall, found[i : i + ASKED_OF_FACETS])
+        return found / factor
 
 
 def coarse_facets(shell: Shell, field: SizeField) -> CoarseFacets | None:
@@ -117,6 +122,5 @@ def coarse_facets(shell: Shell, field: SizeField) -> CoarseFacets | None:
     large = np.zeros(len(corners), dtype=bool)
     for i, j in ((0, 1), (1, 2), (2, 0)):
         along = corners[:, i] - corners[:, j]
-        length = np.sqrt(along[:, 0] ** 2 + along[:, 1] ** 2 + along[:, 2] ** 2)
-        large |= length > MUCH_COARSER * field(corners[:, i] / 2 + corners[:, j] / 2)
+        large |= lengths(along) > MUCH_COARSER * field(corners[:, i] / 2 + corners[:, j] / 2)
     return CoarseFacets(corners[large]) if large.any() else None

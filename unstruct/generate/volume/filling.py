@@ -17,6 +17,7 @@ from ...connect.spatial.adding import add_points
 from ...connect.spatial.complex import RESTARTS, WORTH_ANOTHER, Recovered, SpatialComplex, SpatialMesh
 from ...domain.domain import Domain
 from ...domain.space.cutting import Shell
+from ...geometry.edge_vectors import lengths
 from ...mesh.domain_mesh import DomainMesh
 from ...mesh.mesh import Mesh
 from ...sizing.field import SizeField, as_size
@@ -353,7 +354,7 @@ def _large(made: SpatialMesh, field: SizeField, coarse: CoarseFacets | None) -> 
     corners = made.points[made.faces]
     large = np.zeros(len(corners), dtype=bool)
     for i, j in ((0, 1), (1, 2), (2, 0)):
-        length = np.linalg.norm(corners[:, i] - corners[:, j], axis=1)
+        length = lengths(corners[:, i] - corners[:, j])
         large |= length > MUCH_LARGER * field((corners[:, i] + corners[:, j]) / 2)
     at = faces_of_cells(made.simplices, made.faces[large], len(made.points)).any(axis=1)
     if coarse is not None:
@@ -365,10 +366,9 @@ def _larger_beside(made: SpatialMesh, field: SizeField, coarse: CoarseFacets) ->
     """Which cells have an edge much longer than wanted, where the size is that of a coarse facet."""
     corners = made.points[made.simplices]
     center = corners.mean(axis=1)
-    size, square = field(center), np.zeros(len(corners))
+    size, longest = field(center), np.zeros(len(corners))
     for i in range(4):
         for j in range(i):
-            along = corners[:, i] - corners[:, j]
-            np.maximum(square, along[:, 0] ** 2 + along[:, 1] ** 2 + along[:, 2] ** 2, out=square)
+            np.maximum(longest, lengths(corners[:, i] - corners[:, j]), out=longest)
     beside = coarse.least(center, np.zeros(len(center))) > size
-    return beside & (square > (MUCH_LARGER * size) ** 2)
+    return beside & (longest > MUCH_LARGER * size)

@@ -23,6 +23,7 @@ from ...base.jit import kernel
 from ...domain.domain import Domain
 from ...domain.space.cutting import Shell
 from ...geometry.boxes import BoxTree, bounding_boxes
+from ...geometry.edge_vectors import lengths
 from ...geometry.inside_shell import even_odd_in_space
 from ...geometry.segment_tree import SegmentTree
 from ...mesh.grouping import group_rows
@@ -185,8 +186,8 @@ def _nested(wanted_size: _Wanted, shell: Shell, low: Array, high: Array, most: i
 def _finer(shell: Shell, field: SizeField) -> SegmentTree | None:
     """Those vertices of the surface whose edges are much shorter than the size, with the means of these."""
     corners = shell.points[shell.triangles]
-    lengths = np.linalg.norm(corners - np.roll(corners, -1, axis=1), axis=2)  # of the edges k, k + 1
-    at_corner = (lengths + np.roll(lengths, 1, axis=1)).ravel() / 2
+    length = lengths(corners - np.roll(corners, -1, axis=1))  # of the edges k, k + 1
+    at_corner = (length + np.roll(length, 1, axis=1)).ravel() / 2
     vertex, n = shell.triangles.ravel(), len(shell.points)
     share = np.bincount(vertex, minlength=n)
     mean = np.bincount(vertex, at_corner, minlength=n) / np.maximum(share, 1)
@@ -213,7 +214,7 @@ def _root(size: _Wanted, shell: Shell, low: Array, high: Array) -> float:
     within = probes[even_odd_in_space(shell.points, shell.bounding, probes)[0]]
     probes = within if len(within) else probes
     wanted = CELL * size(probes)
-    turn = np.exp(2j * np.pi * np.log2(wanted))
+    turn = np.exp(2j * np.pi * np.log2(np.frexp(wanted)[0]))  # the same in each unit of length
     off = np.abs(turn - np.exp(1j * np.angle(((wanted.min() / wanted) ** 3 * turn).sum())))
     least = float(
         wanted[np.argmin(np.round(off, 6))]

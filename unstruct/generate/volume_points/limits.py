@@ -20,6 +20,9 @@ from ...base.errors import InputError
 from ...base.jit import inline
 from ...domain.domain import Domain
 from ...domain.plane.by_region import per_region
+from ...domain.space.inside import outward
+from ...geometry.inside_shell import enclosed_volume
+from ...predicates.batch import power_of_two
 from ...sizing.field import SizeField, as_size
 from ...sizing.metric import Metric
 from ...sizing.space_table import size_in_space, space_nodes
@@ -62,8 +65,11 @@ def points_allowed(domain: Domain, size: Any, budget: int | None) -> int:
     if budget is not None:
         return as_count(budget, "budget")
     h = size.constant if isinstance(size, SizeField) else size
-    if isinstance(h, Real) and 0.0 < domain.volume < np.inf:
-        count = FEWEST_IN_A_CUBE * (domain.volume ** (1.0 / 3.0) / positive(h, "size")) ** 3
+    if isinstance(h, Real):
+        factor = power_of_two(domain.points)  # a volume may be no double
+        side = enclosed_volume(domain.points * factor, outward(domain.triangulated)) ** (1.0 / 3.0) / factor
+        with np.errstate(over="ignore"):
+            count = FEWEST_IN_A_CUBE * (np.float64(side) / positive(h, "size")) ** 3
         if count > DEFAULT_BUDGET:
             raise InputError(
                 f"the size asks for {count:.3g} vertices or more, and without a budget at most "
@@ -153,7 +159,7 @@ def make_body_limits(
     further = [] if priority is None else [priority]
     count = len(names) + len(further)
     volumes = [
-        math.inf if one is None else 6.0 * positive(one, "max_volume") * factor**3
+        math.inf if one is None else 6.0 * positive(one, "max_volume") * factor * factor * factor
         for one in per_region(max_volume, names, "max_volume")
     ]
     volumes += [math.inf] * len(further)

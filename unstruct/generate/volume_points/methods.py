@@ -51,12 +51,6 @@ def centers_in_body(
     if size is None and budget is None:
         raise InputError("without a size or a limit every cell is bad: give a size, or a budget")
     choice = _order(priority, size is not None)
-    extent = float((domain.bounds[1] - domain.bounds[0]).max())
-    if size is None:  # each cell is bad, but no segment and no facet is too large
-        return _run(
-            domain, None, (choice, CENTER_RULE, 1.0), split_boundary, budget, history, progress, "centers",
-            max_volume=(NO_SIZE * extent) ** 3,
-        )[0]  # fmt: skip
     rule = choice, CENTER_RULE, 1.0
     return _run(domain, size, rule, split_boundary, budget, history, progress, "centers")[0]
 
@@ -111,7 +105,6 @@ def _run(
     history: bool,
     progress: bool,
     what: str,
-    max_volume: float | None = None,
 ) -> tuple[DomainMesh, bool]:
     """The mesh, and whether nothing is left to do."""
     (order, priority), rule, accept = chosen
@@ -131,8 +124,11 @@ def _run(
     limits = make_body_limits(
         names, np.asarray(domain.bounds), cells.factor,
         size=size, reach=accept * REGULAR, order=order, rule=rule, bold=True, lens=1.0,
-        priority=priority, max_volume=max_volume,
+        priority=priority,
     )  # fmt: skip
+    if size is None:  # each cell is bad, but no segment and no facet is too large
+        extent = float(np.ptp(domain.bounds * cells.factor, axis=0).max())
+        limits = limits._replace(volume=np.full(len(limits.volume), 6.0 * (NO_SIZE * extent) ** 3))
     run.begin(limits)
     with progress_bar(progress, " points", desc=what) as bar:
         done = run.advance(most, bar)

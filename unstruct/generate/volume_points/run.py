@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from ...connect.spatial.opening import MAY_GO, STAR_WALLS, new_star
 from ...connect.spatial.rebuilt import rebuilt
 from ...connect.spatial.star import flawed_faces
 from ...domain.domain import Domain
+from ...geometry.edge_vectors import lengths
 from ..volume.filling import numbered_regions
 from .limits import BodyLimits
 from .narrow import find_extents, find_touching
@@ -52,6 +54,7 @@ NARROW_GAP = 1.0 / 16.0  # see `narrow`
 FRESH_STARTS = 3  # how often the cells are made anew while only segments and facets are divided
 HIDDEN_PASSES = 4  # how often cells whose centers were hidden are tried again
 NO_LIMIT = 2**30
+SHORTEST_TO_JUDGE = 2.0**-500  # of the largest coordinate: squares of shorter edges lose digits
 MOST_SPATIAL = 2**31 // 64  # vertices for which cells can be numbered by 32 bits
 
 
@@ -190,7 +193,19 @@ class BodyRun:
     # ------------------------------------------------------------------ the run
 
     def begin(self, limits: BodyLimits) -> None:
-        """Take limits, and let everything wait that misses one."""
+        """Take limits, and let everything wait that misses one.
+
+        Raises
+        ------
+        InputError
+            If edges are so short that quotients with them are no doubles.
+        """
+        least = float(self.floor[: self.given].min(initial=math.inf))
+        if limits.ratio2 < math.inf and least < SHORTEST_TO_JUDGE:
+            raise InputError(
+                f"the shortest edge, {least / self.cells.factor:.6g}, is too short beside the largest "
+                "coordinate for quotients of radii and edges: stretch the body, or use tetrahedralize"
+            )
         self.limits = limits._replace(thin=NARROW_GAP if self.narrow else 0.0)
         slots = self.cells.slots
         self.heap = grown(self.heap, slots + 4 * SPARE_QUEUE)
@@ -301,7 +316,7 @@ def _shortest(cells: SpatialComplex, made: SpatialMesh) -> NDArray[np.float64]:
     corner = made.vertex[made.simplices]
     for i in range(4):
         for j in range(i):
-            length = np.linalg.norm(cells.xyz[corner[:, i]] - cells.xyz[corner[:, j]], axis=1)
+            length = lengths(cells.xyz[corner[:, i]] - cells.xyz[corner[:, j]])
             np.minimum.at(result, corner[:, i], length)
             np.minimum.at(result, corner[:, j], length)
     return result

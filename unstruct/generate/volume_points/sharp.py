@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.jit import apart, inline
+from ...geometry.edge_vectors import exponents, lengths
 from .records import FREE_POINT, OF_DOMAIN
 
 __all__ = ["Sharp", "feature_of", "find_sharp", "meet_sharply"]
@@ -127,10 +128,11 @@ def _quotient(
     xyz: NDArray[np.float64], a: NDArray[np.int32], b: NDArray[np.int32], c: NDArray[np.int32]
 ) -> NDArray[np.float64]:
     """The circumradius of triangles over their shortest edges."""
-    u, v, w = xyz[b] - xyz[a], xyz[c] - xyz[b], xyz[a] - xyz[c]
-    sides = np.stack([np.linalg.norm(x, axis=1) for x in (u, v, w)])
-    area = np.linalg.norm(np.cross(u, v), axis=1)
-    return sides.prod(axis=0) / (2 * np.maximum(area, 1e-300) * sides.min(axis=0))
+    edges = np.stack([xyz[b] - xyz[a], xyz[c] - xyz[b], xyz[a] - xyz[c]], axis=1)
+    edges = np.ldexp(edges, -exponents(edges)[:, None, None])  # products of lengths may be no doubles
+    sides = np.sort(lengths(edges), axis=1)
+    area = lengths(np.cross(edges[:, 0], edges[:, 1]))
+    return sides[:, 1] * sides[:, 2] / (2 * np.maximum(area, 1e-300))
 
 
 def _narrow_segments(
@@ -141,9 +143,10 @@ def _narrow_segments(
     if len(row) == 0:
         return result, result.copy()
     along = xyz[ends[:, 1]] - xyz[ends[:, 0]]
-    along /= np.linalg.norm(along, axis=1)[:, None]
+    along /= lengths(along)[:, None]
     out = xyz[far] - xyz[ends[row, 0]]
     out -= (out * along[row]).sum(axis=1)[:, None] * along[row]
+    out = np.ldexp(out, -np.frexp(np.abs(out).max(axis=1, keepdims=True))[1])
     some = np.zeros((len(ends), 3))
     some[row] = out  # one direction for each subsegment from which angles are counted
     other = np.cross(along, some)
@@ -189,7 +192,7 @@ def _narrow_vertices(xyz: NDArray[np.float64], ends: NDArray[np.int32]) -> NDArr
     result = np.zeros(len(xyz), dtype=bool)
     at = np.concatenate([ends[:, 0], ends[:, 1]])
     way = xyz[np.concatenate([ends[:, 1], ends[:, 0]])] - xyz[at]
-    way /= np.linalg.norm(way, axis=1)[:, None]
+    way /= lengths(way)[:, None]
     order = np.argsort(at, kind="stable")
     at, way = at[order], way[order]
     vertex, first, count = np.unique(at, return_index=True, return_counts=True)

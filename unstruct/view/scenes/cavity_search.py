@@ -50,8 +50,8 @@ def search_history(preset: str = "inside of the hull") -> list[fr.Frame]:
     Parameters
     ----------
     preset : str
-        A key of `INSERTION_CASES`. The nasty one starts from a triangulation that is not Delaunay, where a search
-        from neighbor to neighbor misses a circle that contains P.
+        A key of `INSERTION_CASES`. The nasty one starts from a triangulation that is not Delaunay, where a
+        search from neighbor to neighbor misses a circle that contains P.
 
     Returns
     -------
