@@ -155,6 +155,15 @@ def test_the_search_finds_the_entries_of_the_index(site: Path) -> None:
             assert f'id="{target}"' in (site / f"{page}.html").read_text(encoding="utf-8")
 
 
+def test_the_search_finds_the_terms_of_the_glossary(site: Path) -> None:
+    text = (site / "searchindex.js").read_text(encoding="utf-8")
+    index = json.loads(re.search(r"Search\.setIndex\((.*)\)", text, flags=re.S)[1])
+    page = index["docnames"].index("glossary")
+    for stem in ("sliver", "circumcent", "encroach", "quadtre"):
+        found = index["terms"][stem]
+        assert page == found or page in found, stem
+
+
 def test_cells_of_claims_lead_to_their_rows_and_back(site: Path) -> None:
     found = pages(site)
     rows = {name for name in found["ledger.html"].ids if name.startswith("claim-")}
