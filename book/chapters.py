@@ -69,9 +69,7 @@ class Chapter:
 
     @cached_property
     def texts(self) -> list[str]:
-        return [
-            cell["source"] for cell in self.cells if cell["cell_type"] == "markdown"
-        ]
+        return [cell["source"] for cell in self.cells if cell["cell_type"] == "markdown"]
 
     @property
     def title(self) -> str:
@@ -102,16 +100,10 @@ class Chapter:
                 yield text[start : mark.start()], here, False
                 start = mark.start()
                 if mark.re is ANCHOR:
-                    here = Place(
-                        self.file, self.number, f"{mark[2]} {mark[3]}", mark[1]
-                    )
+                    here = Place(self.file, self.number, f"{mark[2]} {mark[3]}", mark[1])
                     continue
                 level, title = len(mark[1]), mark[2]
-                exercises = (
-                    title.lower().startswith("exercises")
-                    if level == 2
-                    else exercises and level == 3
-                )
+                exercises = title.lower().startswith("exercises") if level == 2 else exercises and level == 3
                 inner = exercises and level == 3
                 if (
                     level > 1
@@ -119,20 +111,14 @@ class Chapter:
                     and titles.count(title) == 1
                     and not re.search(r"[$*`\[\]<>]", title)
                 ):
-                    here = heading = Place(
-                        self.file, self.number, title, title.replace(" ", "-")
-                    )
+                    here = heading = Place(self.file, self.number, title, title.replace(" ", "-"))
             yield text[start:], here, False
 
     def figures(self) -> Iterator[tuple[str, Place]]:
         """The text that stands for each picture, and the picture's place."""
         where = [place for _, place, is_code in self.pieces() if is_code]
-        for cell, place in zip(
-            (cell for cell in self.cells if cell["cell_type"] == "code"), where
-        ):
-            text = (
-                cell["metadata"].get("mystnb", {}).get("image", {}).get("alt", "")
-            )
+        for cell, place in zip((cell for cell in self.cells if cell["cell_type"] == "code"), where):
+            text = cell["metadata"].get("mystnb", {}).get("image", {}).get("alt", "")
             if text:
                 yield text, place
 
@@ -144,18 +130,10 @@ class Chapter:
         """Its numbered statements, with their first words."""
         for text in self.texts:
             for mark in ANCHOR.finditer(text):
-                rest = re.split(
-                    r"\n\s*(?:> ?)?\s*\n|\n(?!>)", text[mark.end() :], maxsplit=1
-                )[0]
-                rest = re.sub(
-                    r"\s+", " ", re.sub(r"^> ?", "", rest, flags=re.M)
-                ).strip()
-                place = Place(
-                    self.file, self.number, f"{mark[2]} {mark[3]}", mark[1]
-                )
-                yield Statement(
-                    mark[2], mark[3], mark[4] or "", first_words(rest), place
-                )
+                rest = re.split(r"\n\s*(?:> ?)?\s*\n|\n(?!>)", text[mark.end() :], maxsplit=1)[0]
+                rest = re.sub(r"\s+", " ", re.sub(r"^> ?", "", rest, flags=re.M)).strip()
+                place = Place(self.file, self.number, f"{mark[2]} {mark[3]}", mark[1])
+                yield Statement(mark[2], mark[3], mark[4] or "", first_words(rest), place)
 
 
 def blank(text: str) -> str:
@@ -183,11 +161,7 @@ def first_words(text: str, least: int = 12, most: int = 34) -> str:
 @cache
 def chapters() -> list[Chapter]:
     """The chapters in the order of the book."""
-    return [
-        Chapter(path)
-        for path in sorted(BOOK.glob("*.ipynb"))
-        if path.name[0].isdigit()
-    ]
+    return [Chapter(path) for path in sorted(BOOK.glob("*.ipynb")) if path.name[0].isdigit()]
 
 
 def theorems() -> str:
@@ -196,9 +170,7 @@ def theorems() -> str:
     for chapter in chapters():
         found = list(chapter.statements())
         if found:
-            lines.append(
-                f"\n**[{chapter.number} {chapter.title}]({chapter.file})**\n"
-            )
+            lines.append(f"\n**[{chapter.number} {chapter.title}]({chapter.file})**\n")
         for statement in found:
             link = f"[{statement.kind} {statement.number}]({statement.place.link})"
             name = f" *({statement.name})*" if statement.name else ""

@@ -13,31 +13,13 @@ from typing import Any
 BOOK = Path(__file__).parent
 LOOK = 'style="text-align: left; vertical-align: top"'  # JupyterLab would set cells to the right
 MUTATIONS = BOOK.parent / "tests" / "mutations"
-VERDICTS = (
-    "true",
-    "needs-assumption",
-    "false",
-    "extension",
-    "misprint",
-    "vague",
-    "historical",
-    "unverified",
-)
-EVIDENCE = (
-    "derived",
-    "exact",
-    "property-tested",
-    "counterexample",
-    "measured",
-    "cited",
-)
+VERDICTS = ("true", "needs-assumption", "false", "extension", "misprint", "vague", "historical", "unverified")
+EVIDENCE = ("derived", "exact", "property-tested", "counterexample", "measured", "cited")
 
 
 def rows() -> list[dict[str, Any]]:
     """The rows of the ledger in the order of the source."""
-    found = tomllib.loads((BOOK / "claims.toml").read_text(encoding="utf-8"))[
-        "claim"
-    ]
+    found = tomllib.loads((BOOK / "claims.toml").read_text(encoding="utf-8"))["claim"]
 
     def place(row: dict[str, Any]) -> tuple[list[int], int]:
         section, number = row["id"].removeprefix("C").split("-")
@@ -59,10 +41,7 @@ def cells() -> dict[str, list[tuple[str, str]]]:
 
 def links(name: str, found: dict[str, list[tuple[str, str]]]) -> str:
     """HTML that leads to the cells of a claim; a dash where it has none."""
-    made = [
-        f'<a href="{file}#cell-id={cell}">{file.split("-")[0]}</a>'
-        for file, cell in found.get(name, [])
-    ]
+    made = [f'<a href="{file}#cell-id={cell}">{file.split("-")[0]}</a>' for file, cell in found.get(name, [])]
     return ", ".join(made) or "–"
 
 
@@ -70,9 +49,7 @@ def mutations() -> dict[str, list[dict[str, str]]]:
     """For each claim the changes of its cell that must not pass."""
     found: dict[str, list[dict[str, str]]] = {}
     for path in sorted(MUTATIONS.glob("*.toml")):
-        for row in tomllib.loads(path.read_text(encoding="utf-8")).get(
-            "mutation", []
-        ):
+        for row in tomllib.loads(path.read_text(encoding="utf-8")).get("mutation", []):
             found.setdefault(row["claim"], []).append(row)
     return found
 
@@ -91,29 +68,14 @@ def ledger(claims: Iterable[dict[str, Any]]) -> str:
     """The ledger as an HTML table; the website filters its rows by section and verdict."""
     found, changes = cells(), mutations()
     head = ["id", "the source claims", "verdict", "correct", "evidence", "cell"]
-    lines = [
-        '<table class="ledger">',
-        "<tr>" + "".join(f"<th {LOOK}>{name}</th>" for name in head) + "</tr>",
-    ]
+    lines = ['<table class="ledger">', "<tr>" + "".join(f"<th {LOOK}>{name}</th>" for name in head) + "</tr>"]
     for row in claims:
         name = row["id"]
-        texts = [
-            name,
-            row["statement"],
-            row["verdict"],
-            row.get("correct", ""),
-            row["evidence"],
-        ]
-        texts = [html.escape(text, quote=False) for text in texts] + [
-            links(name, found)
-        ]
+        texts = [name, row["statement"], row["verdict"], row.get("correct", ""), row["evidence"]]
+        texts = [html.escape(text, quote=False) for text in texts] + [links(name, found)]
         texts[3] += folded(changes.get(name, []))
         marks = f'id="{anchor(name)}" data-section="{row["section"]}" data-verdict="{row["verdict"]}"'
-        lines.append(
-            f"<tr {marks}>"
-            + "".join(f"<td {LOOK}>{text}</td>" for text in texts)
-            + "</tr>"
-        )
+        lines.append(f"<tr {marks}>" + "".join(f"<td {LOOK}>{text}</td>" for text in texts) + "</tr>")
     return "\n".join([*lines, "</table>"])
 
 
@@ -123,20 +85,13 @@ def folded(changes: Sequence[dict[str, str]]) -> str:
         return ""
     items = []
     for change in changes:
-        why, old, new = (
-            html.escape(change[key], quote=False)
-            for key in ("why", "find", "replace")
-        )
-        items.append(
-            f"<p>{why}:</p><pre>{old}</pre><p>becomes</p><pre>{new or '(nothing)'}</pre>"
-        )
+        why, old, new = (html.escape(change[key], quote=False) for key in ("why", "find", "replace"))
+        items.append(f"<p>{why}:</p><pre>{old}</pre><p>becomes</p><pre>{new or '(nothing)'}</pre>")
     count = "1 mutation" if len(changes) == 1 else f"{len(changes)} mutations"
     return f"<details><summary>{count}</summary>{''.join(items)}</details>"
 
 
-def count(
-    column: str, names: Sequence[str], claims: Iterable[dict[str, Any]]
-) -> list[tuple[str, int]]:
+def count(column: str, names: Sequence[str], claims: Iterable[dict[str, Any]]) -> list[tuple[str, int]]:
     """How many claims have each value of a column, in the order of ``names``."""
     totals = Counter(row[column] for row in claims)
     return [(name, totals[name]) for name in names if totals[name]]
@@ -146,19 +101,9 @@ def table(head: Sequence[str], body: Iterable[Sequence[Any]]) -> str:
     """An HTML table; cells that begin with ``<a`` are taken as they are, others are escaped."""
 
     def cell(value: Any, tag: str) -> str:
-        text = (
-            value
-            if str(value).startswith("<a ")
-            else html.escape(str(value), quote=False)
-        )
+        text = value if str(value).startswith("<a ") else html.escape(str(value), quote=False)
         return f"<{tag} {LOOK}>{text}</{tag}>"
 
-    lines = [
-        "<table>",
-        "<tr>" + "".join(cell(name, "th") for name in head) + "</tr>",
-    ]
-    lines += [
-        "<tr>" + "".join(cell(value, "td") for value in row) + "</tr>"
-        for row in body
-    ]
+    lines = ["<table>", "<tr>" + "".join(cell(name, "th") for name in head) + "</tr>"]
+    lines += ["<tr>" + "".join(cell(value, "td") for value in row) + "</tr>" for row in body]
     return "\n".join([*lines, "</table>"])

@@ -30,28 +30,16 @@ REFERENCE = "IPY_MODEL_"
 
 def notebooks(prefixes: list[str]) -> list[Path]:
     """The notebooks whose names start with one of ``prefixes`` (all, where none is given)."""
-    found = [
-        p
-        for p in sorted(BOOK.glob("*.ipynb"))
-        if not prefixes or p.name.startswith(tuple(prefixes))
-    ]
+    found = [p for p in sorted(BOOK.glob("*.ipynb")) if not prefixes or p.name.startswith(tuple(prefixes))]
     if not found:
-        raise SystemExit(
-            f"no notebook of the book starts with {' or '.join(prefixes)}"
-        )
+        raise SystemExit(f"no notebook of the book starts with {' or '.join(prefixes)}")
     return found
 
 
 def clean(notebook: NotebookNode) -> None:
     """Reduce the metadata to what the book uses, and number the cells stably."""
     notebook.metadata = nbformat.from_dict(
-        {
-            "kernelspec": {
-                "display_name": "Python 3 (ipykernel)",
-                "language": "python",
-                "name": "python3",
-            }
-        }
+        {"kernelspec": {"display_name": "Python 3 (ipykernel)", "language": "python", "name": "python3"}}
     )
     notebook.nbformat_minor = 5
     for number, cell in enumerate(notebook.cells):
@@ -70,9 +58,7 @@ def keep_widgets(notebook: NotebookNode) -> None:
             if VIEW in output.get("data", {}):
                 root = output["data"][VIEW]["model_id"]
                 output["data"][VIEW]["model_id"] = f"{cell.id}-{number}"
-                output["metadata"] = nbformat.from_dict(
-                    {"widget": _model(root, state)}
-                )
+                output["metadata"] = nbformat.from_dict({"widget": _model(root, state)})
 
 
 def _model(name: str, state: dict[str, Any]) -> dict[str, Any]:
@@ -80,24 +66,11 @@ def _model(name: str, state: dict[str, Any]) -> dict[str, Any]:
     model = state[name]
     traits = model["state"]
     if "children" in traits:
-        parts = [
-            _model(child.removeprefix(REFERENCE), state)
-            for child in traits["children"]
-        ]
-        return {
-            "kind": "row" if model["model_name"] == "HBoxModel" else "column",
-            "children": parts,
-        }
+        parts = [_model(child.removeprefix(REFERENCE), state) for child in traits["children"]]
+        return {"kind": "row" if model["model_name"] == "HBoxModel" else "column", "children": parts}
     if "_esm" in traits:
-        own = {
-            k: v
-            for k, v in traits.items()
-            if not k.startswith("_") and not _refers(v)
-        }
-        code = {
-            "script": _file(traits["_esm"]),
-            "style": _file(traits.get("_css", "")),
-        }
+        own = {k: v for k, v in traits.items() if not k.startswith("_") and not _refers(v)}
+        code = {"script": _file(traits["_esm"]), "style": _file(traits.get("_css", ""))}
         return {"kind": "anywidget", **code, "traits": own}
     if model["model_name"] in ("HTMLModel", "HTMLMathModel", "LabelModel"):
         return {"kind": "text", "value": traits.get("value", "")}

@@ -32,9 +32,7 @@ def cards() -> list[tuple[Chapter, dict[str, Any]]]:
 def named(number: str) -> list[Chapter]:
     """The chapter of a number, or those whose numbers begin with it."""
     exact = [chapter for chapter in chapters() if chapter.number == number]
-    return exact or [
-        chapter for chapter in chapters() if chapter.number.startswith(number)
-    ]
+    return exact or [chapter for chapter in chapters() if chapter.number.startswith(number)]
 
 
 def all_named(numbers: Sequence[str]) -> list[Chapter]:
@@ -49,17 +47,12 @@ def minutes(chapter: Chapter) -> int:
 
 def depth() -> dict[str, int]:
     """For each chapter, how many must be read one after the other before it: its row on the map."""
-    needs = {
-        chapter.number: [need.number for need in all_named(card["needs"])]
-        for chapter, card in cards()
-    }
+    needs = {chapter.number: [need.number for need in all_named(card["needs"])] for chapter, card in cards()}
 
     def row(number: str, after: tuple[str, ...] = ()) -> int:
         if number in after:
             raise ValueError(f"chapters.toml: {' needs '.join([*after, number])}")
-        return 1 + max(
-            (row(need, (*after, number)) for need in needs[number]), default=-1
-        )
+        return 1 + max((row(need, (*after, number)) for need in needs[number]), default=-1)
 
     return {number: row(number) for number in needs}
 
@@ -82,23 +75,15 @@ def drawn_map() -> str:
             x0, y0 = place[need.number]
             start, end = y0 + BOX[1] / 2, y - BOX[1] / 2
             bend = (start + end) / 2
-            lines.append(
-                f"M{x0:.0f} {start:.0f}C{x0:.0f} {bend:.0f} {x:.0f} {bend:.0f} {x:.0f} {end:.0f}"
-            )
+            lines.append(f"M{x0:.0f} {start:.0f}C{x0:.0f} {bend:.0f} {x:.0f} {bend:.0f} {x:.0f} {end:.0f}")
         reading = "first" if card["reading"] == 1 else "second"
-        texts = [
-            f'<text x="{x:.0f}" y="{y - 13:.0f}" font-weight="bold">{chapter.number}</text>'
-        ]
+        texts = [f'<text x="{x:.0f}" y="{y - 13:.0f}" font-weight="bold">{chapter.number}</text>']
         for k, words in enumerate(card["short"].split("\n")):
-            texts.append(
-                f'<text x="{x:.0f}" y="{y + 5 + 14 * k:.0f}" font-size="12">{escape(words)}</text>'
-            )
+            texts.append(f'<text x="{x:.0f}" y="{y + 5 + 14 * k:.0f}" font-size="12">{escape(words)}</text>')
         wide, high = BOX
         corner = f'x="{x - wide / 2:.0f}" y="{y - high / 2:.0f}" width="{wide}" height="{high}" rx="8"'
         dashes = "" if reading == "first" else ' stroke-dasharray="5 3"'
-        name = escape(
-            f"{chapter.number} {chapter.title}, {reading} reading", quote=True
-        )
+        name = escape(f"{chapter.number} {chapter.title}, {reading} reading", quote=True)
         boxes.append(
             f'<a href="{chapter.file}" aria-label="{name}"><rect {corner} stroke="#1f4e79" '
             f'stroke-width="1.3" fill="{FILLED[reading]}"{dashes}/>{"".join(texts)}</a>'
@@ -140,9 +125,7 @@ def course() -> str:
     """The lectures in Markdown, one a line."""
     lines = []
     for number, lecture in enumerate(data()["lecture"], start=1):
-        parts = ", ".join(
-            link(chapter) for chapter in all_named(lecture["chapters"])
-        )
+        parts = ", ".join(link(chapter) for chapter in all_named(lecture["chapters"]))
         lines.append(f"{number}. {lecture['title']}: {parts}")
     return "\n".join(lines)
 
@@ -151,42 +134,32 @@ def path(number: int) -> str:
     """A way through the book in Markdown."""
     row = data()["path"][number]
     some = all_named(row["chapters"])
-    steps = " → ".join(
-        f"[{chapter.number} {chapter.title}]({chapter.file})" for chapter in some
+    steps = " → ".join(f"[{chapter.number} {chapter.title}]({chapter.file})" for chapter in some)
+    others = ", ".join(f"[{page_title(name)}]({name}.ipynb)" for name in row["pages"])
+    return (
+        f"{row['about']}\n\n{steps}\n\nThen, when you need them: {others}. The chapters take {total(some)}."
     )
-    others = ", ".join(
-        f"[{page_title(name)}]({name}.ipynb)" for name in row["pages"]
-    )
-    return f"{row['about']}\n\n{steps}\n\nThen, when you need them: {others}. The chapters take {total(some)}."
 
 
 def page_title(name: str) -> str:
-    return (
-        Chapter(BOOK / f"{name}.ipynb").texts[0].splitlines()[0].removeprefix("# ")
-    )
+    return Chapter(BOOK / f"{name}.ipynb").texts[0].splitlines()[0].removeprefix("# ")
 
 
 def lectures() -> Iterator[str]:
     """Each lecture in Markdown: what is read, what students can do afterwards, what is shown, what is set."""
     for number, lecture in enumerate(data()["lecture"], start=1):
         some = all_named(lecture["chapters"])
-        reads = ", ".join(
-            f"[{chapter.number} {chapter.title}]({chapter.file})"
-            for chapter in some
-        )
+        reads = ", ".join(f"[{chapter.number} {chapter.title}]({chapter.file})" for chapter in some)
         time = f"{sum(map(minutes, some))} minutes of reading"
         lines = [f"**Lecture {number}: {lecture['title']}.** {reads} ({time}).", ""]
         lines += [f"- Afterwards students can {lecture['aim']}."]
         shown = [(chapter, figures(chapter)) for chapter in some]
         for chapter, found in shown:
             lines += [
-                f"- To show ({chapter.number}): {text} [{place.title}]({place.link})"
-                for text, place in found
+                f"- To show ({chapter.number}): {text} [{place.title}]({place.link})" for text, place in found
             ]
         tasks = ", ".join(
-            f"[{chapter.number}]({chapter.file}#Exercises)"
-            for chapter in some
-            if has_exercises(chapter)
+            f"[{chapter.number}]({chapter.file}#Exercises)" for chapter in some if has_exercises(chapter)
         )
         lines += [f"- Homework: two of the exercises of {tasks}."]
         lines += [f"- To leave: {lecture['leave']}."] if lecture["leave"] else []
@@ -204,8 +177,6 @@ def figures(chapter: Chapter, most: int = 3) -> list[tuple[str, Any]]:
     for text, place in chapter.figures():
         title = place.title.lower() if place.target else ""
         new = all(place.title != other.title for _, other in found)
-        if new and any(
-            title == word or (word and word in title) for word in wanted
-        ):
+        if new and any(title == word or (word and word in title) for word in wanted):
             found.append((text, place))
     return found[:most]

@@ -48,12 +48,8 @@ KERNELS = {
     "Zen": ("AVX2", "FMA3"),
     "SkylakeX": ("AVX512_SKX",),
 }
-WIDE = re.compile(
-    r"AVX512|X86_V4"
-)  # what numpy may be told to leave alone, beyond AVX2
-PLAIN_LIBRARY = (
-    "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable,-FMA4_Usable"
-)
+WIDE = re.compile(r"AVX512|X86_V4")  # what numpy may be told to leave alone, beyond AVX2
+PLAIN_LIBRARY = "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX2_Usable,-FMA_Usable,-FMA4_Usable"
 
 # What runs in a process under a setting: the kernels of OpenBLAS in numpy and in scipy, and the rest.
 PROBE = """
@@ -85,9 +81,7 @@ Setting = dict[str, str]
 
 def environment(setting: Setting) -> dict[str, str]:
     """The environment of a run: nothing that governs these choices is inherited."""
-    inherited = {
-        name: value for name, value in os.environ.items() if name not in MANAGED
-    }
+    inherited = {name: value for name, value in os.environ.items() if name not in MANAGED}
     path = os.pathsep.join(filter(None, [str(ROOT), inherited.get("PYTHONPATH")]))
     return inherited | {"PYTHONPATH": path} | setting
 
@@ -95,16 +89,9 @@ def environment(setting: Setting) -> dict[str, str]:
 def probe(setting: Setting) -> dict | None:
     """What runs under a setting; None where it does not."""
     result = subprocess.run(
-        [sys.executable, "-c", PROBE],
-        env=environment(setting),
-        capture_output=True,
-        text=True,
+        [sys.executable, "-c", PROBE], env=environment(setting), capture_output=True, text=True
     )
-    return (
-        json.loads(result.stdout.splitlines()[-1])
-        if result.returncode == 0
-        else None
-    )
+    return json.loads(result.stdout.splitlines()[-1]) if result.returncode == 0 else None
 
 
 @cache
@@ -122,9 +109,7 @@ def settings() -> dict[str, Setting]:
                 seen.append(here["kernels"])
                 found[name] = {"OPENBLAS_CORETYPE": name}
     found["one thread"] = {"OPENBLAS_NUM_THREADS": "1"}
-    oldest = {"OPENBLAS_NUM_THREADS": "1"} | next(
-        (found[name] for name in KERNELS if name in found), {}
-    )
+    oldest = {"OPENBLAS_NUM_THREADS": "1"} | next((found[name] for name in KERNELS if name in found), {})
     wide = [name for name in own["numpy"] if WIDE.match(name)]
     for name, features in (("narrow numpy", wide), ("plain numpy", own["numpy"])):
         if features:
@@ -146,42 +131,16 @@ def compared(setting: Setting, paths: list[Path]) -> dict[str, str]:
     """The cells whose output is not the stored one under a setting: where, and what nbval says."""
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.xml"
-        command = [
-            sys.executable,
-            "-m",
-            "pytest",
-            "-q",
-            "-p",
-            "no:cacheprovider",
-            "-o",
-            "addopts=",
-        ]
-        command += [
-            "--nbval",
-            "--nbval-current-env",
-            f"--junitxml={report}",
-            *map(str, paths),
-        ]
-        done = subprocess.run(
-            command,
-            cwd=ROOT,
-            env=environment(setting),
-            capture_output=True,
-            text=True,
-        )
+        command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-o", "addopts="]
+        command += ["--nbval", "--nbval-current-env", f"--junitxml={report}", *map(str, paths)]
+        done = subprocess.run(command, cwd=ROOT, env=environment(setting), capture_output=True, text=True)
         if not report.exists():
             return {"pytest": done.stdout[-2000:] + done.stderr[-2000:]}
         found = {}
         for case in ElementTree.parse(report).iter("testcase"):
             for fault in (*case.findall("failure"), *case.findall("error")):
-                name = (
-                    case.get("classname", "")
-                    .rsplit("/", 1)[-1]
-                    .removeprefix("book.")
-                )
-                found[f"{name} {case.get('name')}"] = re.sub(
-                    r"#x1B|\x1b?\[[0-9;]*m", "", fault.text or ""
-                )
+                name = case.get("classname", "").rsplit("/", 1)[-1].removeprefix("book.")
+                found[f"{name} {case.get('name')}"] = re.sub(r"#x1B|\x1b?\[[0-9;]*m", "", fault.text or "")
         if done.returncode not in (0, 1):
             found["pytest"] = done.stdout[-2000:] + done.stderr[-2000:]
         return found
@@ -190,9 +149,7 @@ def compared(setting: Setting, paths: list[Path]) -> dict[str, str]:
 def hashes(setting: Setting) -> dict[str, str]:
     """The hashes of the meshes of all methods under a setting."""
     command = [sys.executable, str(MESHES)]
-    done = subprocess.run(
-        command, cwd=ROOT, env=environment(setting), capture_output=True, text=True
-    )
+    done = subprocess.run(command, cwd=ROOT, env=environment(setting), capture_output=True, text=True)
     if done.returncode != 0:
         raise RuntimeError(done.stderr[-4000:])
     return json.loads(done.stdout)
@@ -201,47 +158,25 @@ def hashes(setting: Setting) -> dict[str, str]:
 def shown(text: str) -> str:
     """Of what nbval says, the lines that compare."""
     start = text.find("Traceback:")
-    lines = [
-        line.rstrip()
-        for line in text[max(start, 0) :].splitlines()[1:]
-        if line.strip()
-    ]
+    lines = [line.rstrip() for line in text[max(start, 0) :].splitlines()[1:] if line.strip()]
     return "\n".join("    " + line for line in lines[:24])
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run what is asked, print a table and then each difference; 1 where there is one."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument(
-        "prefixes", nargs="*", help="beginnings of notebook names, or: meshes"
-    )
-    parser.add_argument(
-        "--only",
-        action="append",
-        default=[],
-        metavar="SETTING",
-        help="may be repeated",
-    )
-    parser.add_argument(
-        "--list", action="store_true", help="show the settings and run nothing"
-    )
+    parser.add_argument("prefixes", nargs="*", help="beginnings of notebook names, or: meshes")
+    parser.add_argument("--only", action="append", default=[], metavar="SETTING", help="may be repeated")
+    parser.add_argument("--list", action="store_true", help="show the settings and run nothing")
     options = parser.parse_args(arguments)
-    chosen = {
-        name: s
-        for name, s in settings().items()
-        if not options.only or name in options.only
-    }
+    chosen = {name: s for name, s in settings().items() if not options.only or name in options.only}
     if unknown := set(options.only) - set(chosen):
-        raise SystemExit(
-            f"no such setting here: {', '.join(sorted(unknown))}; see --list"
-        )
+        raise SystemExit(f"no such setting here: {', '.join(sorted(unknown))}; see --list")
     names = [name for name in options.prefixes if name != "meshes"]
     paths = notebooks(names) if names or not options.prefixes else []
     with_meshes = "meshes" in options.prefixes or not options.prefixes
     stored = json.loads(MESHES.with_suffix(".json").read_text(encoding="utf-8"))
-    print(
-        f"{'setting':16} {'OpenBLAS':12} {'cells':>5} {'meshes':>6} {'seconds':>7}  variables"
-    )
+    print(f"{'setting':16} {'OpenBLAS':12} {'cells':>5} {'meshes':>6} {'seconds':>7}  variables")
     faults: dict[str, str] = {}
     for name, setting in chosen.items():
         here = probe(setting) or {"kernels": ["fails"]}
@@ -253,21 +188,13 @@ def main(arguments: list[str] | None = None) -> int:
         start = time.perf_counter()
         cells = compared(setting, paths) if paths else {}
         meshes = hashes(setting) if with_meshes else stored
-        differ = [
-            key
-            for key in {**stored, **meshes}
-            if meshes.get(key) != stored.get(key)
-        ]
+        differ = [key for key in {**stored, **meshes} if meshes.get(key) != stored.get(key)]
         seconds = time.perf_counter() - start
         print(
-            f"{name:16} {kernels:12} {len(cells):5} {len(differ):6} {seconds:7.0f}  {variables}",
-            flush=True,
+            f"{name:16} {kernels:12} {len(cells):5} {len(differ):6} {seconds:7.0f}  {variables}", flush=True
         )
         faults |= {f"{name}: {where}": shown(text) for where, text in cells.items()}
-        faults |= {
-            f"{name}: mesh of {key}": "    differs from the stored hash"
-            for key in differ
-        }
+        faults |= {f"{name}: mesh of {key}": "    differs from the stored hash" for key in differ}
     for where, text in faults.items():
         print(f"\n{where}\n{text}")
     return int(bool(faults))

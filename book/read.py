@@ -26,13 +26,7 @@ ROOT = Path(__file__).resolve().parent.parent
 BOOK = ROOT / "book"
 READING = ROOT / "reading"
 COPIED = ".copied.json"  # which state of each file the reader was given
-MODULES = (
-    "chapters.py",
-    "claims.py",
-    "maps.py",
-    "terms.py",
-    "works.py",
-)  # which cells import
+MODULES = ("chapters.py", "claims.py", "maps.py", "terms.py", "works.py")  # which cells import
 PAGES = ("*.ipynb", *MODULES, "*.toml", "*.txt", "*.png")
 
 
@@ -40,18 +34,14 @@ def fingerprint(path: Path) -> str:
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def update(
-    book: Path, reading: Path, pristine: tuple[str, ...] | None = None
-) -> list[str]:
+def update(book: Path, reading: Path, pristine: tuple[str, ...] | None = None) -> list[str]:
     """Copy the pages of ``book`` into ``reading``; return a sentence for each page that needs one.
 
     ``pristine`` are beginnings of names: these pages are put back as the book has them, ``()`` means all.
     """
     reading.mkdir(exist_ok=True)
     record = reading / COPIED
-    given = (
-        json.loads(record.read_text(encoding="utf-8")) if record.exists() else {}
-    )
+    given = json.loads(record.read_text(encoding="utf-8")) if record.exists() else {}
     told = []
     for page in sorted({path for pattern in PAGES for path in book.glob(pattern)}):
         copy, newest = reading / page.name, fingerprint(page)
@@ -59,14 +49,10 @@ def update(
         changed = now is not None and now not in (given.get(page.name), newest)
         wanted = pristine is not None and page.name.startswith(pristine or ("",))
         if changed and wanted:
-            told.append(
-                f"{page.name}: yours is now {_aside(copy).relative_to(reading.parent)}"
-            )
+            told.append(f"{page.name}: yours is now {_aside(copy).relative_to(reading.parent)}")
         elif changed:
             if given.get(page.name) != newest:
-                told.append(
-                    f"{page.name}: the book has a newer one; yours was kept (see --pristine)"
-                )
+                told.append(f"{page.name}: the book has a newer one; yours was kept (see --pristine)")
             continue
         if now != newest:
             shutil.copyfile(page, copy)
@@ -95,23 +81,14 @@ def lab(arguments: list[str]) -> list[str]:
         f"--LabApp.default_url=/lab/tree/{READING.name}/index.ipynb",
     ]
     if hasattr(os, "geteuid") and os.geteuid() == 0:
-        command.append(
-            "--allow-root"
-        )  # in a container there is often no other user
+        command.append("--allow-root")  # in a container there is often no other user
     return [*command, *arguments]
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument(
-        "--pristine",
-        nargs="*",
-        metavar="NAME",
-        help="put pages back as the book has them",
-    )
-    parser.add_argument(
-        "--copy", action="store_true", help="copy the pages and open nothing"
-    )
+    parser.add_argument("--pristine", nargs="*", metavar="NAME", help="put pages back as the book has them")
+    parser.add_argument("--copy", action="store_true", help="copy the pages and open nothing")
     options, others = parser.parse_known_args()
     pristine = None if options.pristine is None else tuple(options.pristine)
     for sentence in update(BOOK, READING, pristine):

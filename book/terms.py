@@ -20,9 +20,7 @@ import unstruct
 BOOK = Path(__file__).parent
 BOLD = re.compile(r"(?<!\*)\*\*(?!\s)([^*\n]{2,60}?)\*\*(?!\*)")
 # Before a bold word that opens a statement, an entry of a list or a table, or a paragraph
-OPENS = re.compile(
-    r"(?:^|\n\s*\n|^> ?|\n> ?|\n[-|\d]+[. ] *|\| *)(?:<a [^>]*></a>)?$"
-)
+OPENS = re.compile(r"(?:^|\n\s*\n|^> ?|\n> ?|\n[-|\d]+[. ] *|\| *)(?:<a [^>]*></a>)?$")
 PLACES = 3  # of an entry of the index
 ASIDE = ("Exercises", "Sources")
 
@@ -47,10 +45,7 @@ class Term:
     @property
     def long_forms(self) -> list[str]:
         """The name, and other forms of several words, which mean nothing else."""
-        return [
-            self.name,
-            *(form for form in self.also if re.search(r"[ –-]", form)),
-        ]
+        return [self.name, *(form for form in self.also if re.search(r"[ –-]", form))]
 
 
 @cache
@@ -61,31 +56,22 @@ def glossary() -> dict[str, Any]:
 def terms() -> list[Term]:
     """The terms of the glossary by the alphabet."""
     found = [
-        Term(
-            row["name"], row["means"], tuple(row.get("also", ())), row.get("in", "")
-        )
+        Term(row["name"], row["means"], tuple(row.get("also", ())), row.get("in", ""))
         for row in glossary()["term"]
     ]
-    return sorted(
-        found, key=lambda term: works.plain(term.name.replace("ε", "epsilon"))
-    )
+    return sorted(found, key=lambda term: works.plain(term.name.replace("ε", "epsilon")))
 
 
 def pattern(forms: Iterable[str]) -> re.Pattern[str]:
     """What finds any of some words, with a plural, whether or not a line is broken between them."""
-    any_of = "|".join(
-        re.escape(form).replace(r"\ ", r"\s+")
-        for form in sorted(forms, key=len, reverse=True)
-    )
+    any_of = "|".join(re.escape(form).replace(r"\ ", r"\s+") for form in sorted(forms, key=len, reverse=True))
     return re.compile(rf"(?i:(?<![\w-])(?:{any_of})(?:e?s)?(?![\w-]))")
 
 
 @cache
 def pieces() -> list[tuple[Chapter, str, Place, bool]]:
     """The text of all chapters, cut at headings and statements, in order."""
-    return [
-        (chapter, *piece) for chapter in chapters() for piece in chapter.pieces()
-    ]
+    return [(chapter, *piece) for chapter in chapters() for piece in chapter.pieces()]
 
 
 @cache
@@ -95,19 +81,13 @@ def pieces_of(chapter: Chapter) -> list[tuple[Chapter, str, Place, bool]]:
 
 @cache
 def whole(chapter: Chapter, with_code: bool) -> str:
-    return "\n\n".join(
-        text
-        for _, text, _, is_code in pieces_of(chapter)
-        if with_code or not is_code
-    )
+    return "\n\n".join(text for _, text, _, is_code in pieces_of(chapter) if with_code or not is_code)
 
 
 @cache
 def flat(chapter: Chapter) -> str:
     """All of a chapter in lower case and on one line, to see quickly that it does not have a word."""
-    return " ".join(
-        " ".join(text for _, text, _, _ in pieces_of(chapter)).lower().split()
-    )
+    return " ".join(" ".join(text for _, text, _, _ in pieces_of(chapter)).lower().split())
 
 
 @cache
@@ -120,19 +100,9 @@ def introduced(term: Term) -> Place | None:
     for marks in (r"(?<!\*)\*\*{}\*\*", r"(?<!\*)\*(?!\*){}\*(?!\*)", "{}"):
         for forms in ([term.name], term.forms):
             marked = re.compile(marks.replace("{}", pattern(forms).pattern))
-            near = [
-                each
-                for each in chapters()
-                if any(form.lower() in flat(each) for form in forms)
-            ]
-            for chapter, text, place, is_code in (
-                piece for each in near for piece in pieces_of(each)
-            ):
-                if (
-                    not is_code
-                    and chapter.number.startswith(term.within)
-                    and marked.search(text)
-                ):
+            near = [each for each in chapters() if any(form.lower() in flat(each) for form in forms)]
+            for chapter, text, place, is_code in (piece for each in near for piece in pieces_of(each)):
+                if not is_code and chapter.number.startswith(term.within) and marked.search(text):
                     if place.title not in ASIDE:
                         return place
                     found = found or place
@@ -145,9 +115,7 @@ def in_bold() -> Iterator[tuple[Chapter, str]]:
         for mark in BOLD.finditer(text) if not is_code else ():
             words = mark[1].strip(" .,:;")
             few = re.fullmatch(r"[^\W\dA-Z_][\w’'–-]*(?: [\w’'–-]+){0,2}", words)
-            if few and not OPENS.search(
-                text[max(0, mark.start() - 60) : mark.start()]
-            ):
+            if few and not OPENS.search(text[max(0, mark.start() - 60) : mark.start()]):
                 yield chapter, words
 
 
@@ -158,9 +126,7 @@ def show_glossary(letters: str) -> str:
         place = introduced(term)
         if initial(term.name) in letters and place:
             link = f"[{place.number}: {place.title}]({place.link})"
-            lines.append(
-                f'- <a id="{term.anchor}"></a>**{term.name}**: {term.means} ({link})'
-            )
+            lines.append(f'- <a id="{term.anchor}"></a>**{term.name}**: {term.means} ({link})')
     return "\n".join(lines)
 
 
@@ -189,31 +155,16 @@ class Entry:
 @cache
 def entries() -> list[Entry]:
     """Terms of the glossary, authors and names of the library in chapters, and what `index.toml` adds."""
-    found = [
-        Entry(t.name, pattern(t.long_forms).pattern, "term", t.within)
-        for t in terms()
-    ]
+    found = [Entry(t.name, pattern(t.long_forms).pattern, "term", t.within) for t in terms()]
     found += people() + functions()
-    extra = tomllib.loads((BOOK / "index.toml").read_text(encoding="utf-8"))[
-        "entry"
-    ]
+    extra = tomllib.loads((BOOK / "index.toml").read_text(encoding="utf-8"))["entry"]
     known = {entry.name for entry in found}
     for row in extra:
         finds = row.get("find", pattern([row["name"]]).pattern)
-        found += [
-            Entry(
-                row["name"], finds, "other", row.get("in", ""), row.get("see", "")
-            )
-        ]
+        found += [Entry(row["name"], finds, "other", row.get("in", ""), row.get("see", ""))]
         if row["name"] in known:
-            raise ValueError(
-                f"index.toml: {row['name']!r} is in the index without it"
-            )
-    found = [
-        entry
-        for entry in found
-        if entry.see or entry.kind == "other" or places(entry)
-    ]
+            raise ValueError(f"index.toml: {row['name']!r} is in the index without it")
+    found = [entry for entry in found if entry.see or entry.kind == "other" or places(entry)]
     return sorted(
         found,
         key=lambda entry: (
@@ -225,12 +176,7 @@ def entries() -> list[Entry]:
 
 def people() -> list[Entry]:
     """The authors of works that chapters cite; where two have one family name, the initial decides."""
-    names = {
-        name
-        for work, cited in works.places().items()
-        if cited
-        for name in work.authors
-    }
+    names = {name for work, cited in works.places().items() if cited for name in work.authors}
     families = Counter(name.split(",")[0] for name in names)
     found = []
     for name in sorted(names):
@@ -277,37 +223,23 @@ def places(entry: Entry) -> list[Place]:
     finds = re.compile(entry.finds.replace(" ", r"\s+"))
     weights: Counter[Place] = Counter()
     for chapter in chapters():
-        near = chapter.number.startswith(entry.within) and entry.hint in flat(
-            chapter
-        )
+        near = chapter.number.startswith(entry.within) and entry.hint in flat(chapter)
         if not near or not finds.search(whole(chapter, entry.kind == "function")):
             continue
         for _, text, place, is_code in pieces_of(chapter):
-            count = (
-                len(finds.findall(text))
-                if not is_code or entry.kind == "function"
-                else 0
-            )
+            count = len(finds.findall(text)) if not is_code or entry.kind == "function" else 0
             if count:
-                bold = sum(
-                    bool(finds.fullmatch(mark[1].strip(" .,:;")))
-                    for mark in BOLD.finditer(text)
-                )
+                bold = sum(bool(finds.fullmatch(mark[1].strip(" .,:;"))) for mark in BOLD.finditer(text))
                 less = place.title in ASIDE and entry.kind != "person"
                 titled = 4 * bool(finds.search(place.title))
                 weights[place] += (count + 8 * bold + titled) * (0.3 if less else 1)
-    ranked = [
-        place for place, _ in sorted(weights.items(), key=lambda item: -item[1])
-    ]
+    ranked = [place for place, _ in sorted(weights.items(), key=lambda item: -item[1])]
     known = {term.name: term for term in terms()}
     if entry.kind == "term" and (first := introduced(known[entry.name])):
         ranked.insert(0, first)
     chosen: list[Place] = []
     for place in ranked:
-        if (
-            all(place.number != other.number for other in chosen)
-            and len(chosen) < PLACES
-        ):
+        if all(place.number != other.number for other in chosen) and len(chosen) < PLACES:
             chosen.append(place)
     return chosen
 
@@ -324,13 +256,9 @@ def show_index(letters: str) -> str:
         for place in sorted(found, key=lambda place: order.index(place.number)):
             title = html.escape(f"{place.number} {place.title}", quote=False)
             link = f'<a href="{html.escape(place.link)}">{title}</a>'
-            links.append(
-                f"<b>{link}</b>" if place == found[0] and len(found) > 1 else link
-            )
+            links.append(f"<b>{link}</b>" if place == found[0] and len(found) > 1 else link)
         if entry.kind == "term":
-            links.append(
-                f'<a href="glossary.ipynb#{known[entry.name].anchor}">glossary</a>'
-            )
+            links.append(f'<a href="glossary.ipynb#{known[entry.name].anchor}">glossary</a>')
         if entry.see:
             links.append(f"see {html.escape(entry.see, quote=False)}")
         lines.append(f"<li>{entry.shown}: {' · '.join(links)}</li>")

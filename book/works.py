@@ -16,9 +16,7 @@ from chapters import Chapter, chapters
 
 BOOK = Path(__file__).parent
 # A year, but not a page of "2005–2039", nor a number of digits more
-YEAR = re.compile(
-    r"(?<![\d–\-.,])(1[6-9]\d\d|20[0-2]\d)(?:[a-z]\b)?(?![\d–\-]|,\d)"
-)
+YEAR = re.compile(r"(?<![\d–\-.,])(1[6-9]\d\d|20[0-2]\d)(?:[a-z]\b)?(?![\d–\-]|,\d)")
 
 
 @dataclass(frozen=True)
@@ -53,9 +51,7 @@ def data() -> dict[str, Any]:
 
 def works() -> list[Work]:
     """All works, by their authors and years."""
-    found = [
-        Work(**{**row, "authors": tuple(row["authors"])}) for row in data()["work"]
-    ]
+    found = [Work(**{**row, "authors": tuple(row["authors"])}) for row in data()["work"]]
     return sorted(
         found,
         key=lambda work: (
@@ -68,9 +64,7 @@ def works() -> list[Work]:
 
 def plain(text: str) -> str:
     """A text in lower case, without accents, marks of formulas, and punctuation."""
-    letters = unicodedata.normalize(
-        "NFKD", text.replace("ø", "o").replace("ł", "l")
-    )
+    letters = unicodedata.normalize("NFKD", text.replace("ø", "o").replace("ł", "l"))
     letters = "".join(c for c in letters if not unicodedata.combining(c)).lower()
     return re.sub(r"[^a-z0-9]+", " ", letters).strip()
 
@@ -78,11 +72,7 @@ def plain(text: str) -> str:
 def entry(work: Work, cited_in: Sequence[Chapter] = ()) -> str:
     """A line of Markdown for the list of references, with links to the sources of chapters that cite it."""
     names = list(work.authors)
-    joined = (
-        names[0]
-        if len(names) == 1
-        else ", ".join(names[:-1]) + ", and " + names[-1]
-    )
+    joined = names[0] if len(names) == 1 else ", ".join(names[:-1]) + ", and " + names[-1]
     title = work.title if work.title.endswith(("?", "!")) else f"{work.title}."
     parts = [
         f"{joined}{' (eds.)' if work.editors else ''} ({work.year}). {title}",
@@ -94,17 +84,11 @@ def entry(work: Work, cited_in: Sequence[Chapter] = ()) -> str:
     ]
     if work.doi:
         shown = work.doi.replace("<", "&lt;").replace(">", "&gt;")
-        parts.append(
-            f"[doi:{shown}](https://doi.org/{quote(work.doi, safe='/:;.-_')})"
-        )
+        parts.append(f"[doi:{shown}](https://doi.org/{quote(work.doi, safe='/:;.-_')})")
     if work.link:
         parts.append(f"[{work.link_name}]({work.link})")
     if cited_in:
-        parts.append(
-            "Cited in "
-            + ", ".join(f"[{c.number}]({c.file}#Sources)" for c in cited_in)
-            + "."
-        )
+        parts.append("Cited in " + ", ".join(f"[{c.number}]({c.file}#Sources)" for c in cited_in) + ".")
     return " ".join(part for part in parts if part)
 
 
@@ -149,21 +133,12 @@ def cited(unit: str, known: Sequence[Work]) -> tuple[list[Work], list[str]]:
 def fitting(text: str, same: Sequence[Work]) -> list[Work]:
     """Which of some works of one year a text names: by the title, else by all authors (or "et al.")."""
     words = f" {plain(text)} "
-    full = [
-        w
-        for w in same
-        if named(w, words)
-        and (" et al " in words or named(w, words) == len(w.authors))
-    ]
+    full = [w for w in same if named(w, words) and (" et al " in words or named(w, words) == len(w.authors))]
     sure = [w for w in full if plain(w.title)[:24] in words]
-    largest = [
-        w for w in full if not any(set(w.families) < set(v.families) for v in full)
-    ]
+    largest = [w for w in full if not any(set(w.families) < set(v.families) for v in full)]
     if sure:
         return sure + [
-            w
-            for w in largest
-            if w not in sure and not any(w.families[0] in s.families for s in sure)
+            w for w in largest if w not in sure and not any(w.families[0] in s.families for s in sure)
         ]
     return largest
 
@@ -178,9 +153,7 @@ IN_TEXT = re.compile(
 )
 
 
-def citations(
-    chapter: Chapter, known: Sequence[Work]
-) -> tuple[set[Work], list[str]]:
+def citations(chapter: Chapter, known: Sequence[Work]) -> tuple[set[Work], list[str]]:
     """The works that a chapter cites, and its citations that are of no known work."""
     found: set[Work] = set()
     unknown = []
@@ -190,13 +163,9 @@ def citations(
                 unit = unit.replace(phrase, "")
             here, loose = cited(unit, known)
             found |= set(here)
-            if (
-                "Liseikin" not in unit
-            ):  # what is said of the source's own references
+            if "Liseikin" not in unit:  # what is said of the source's own references
                 unknown += [f"{year} in: {unit.strip()[:160]}" for year in loose]
-        for names, year in (
-            IN_TEXT.findall(without_links(unit)) if not among_sources else []
-        ):
+        for names, year in IN_TEXT.findall(without_links(unit)) if not among_sources else []:
             here, loose = cited(f"{names} ({year})", known)
             found |= set(here)
             unknown += [f"{names} ({year})"] if loose else []
