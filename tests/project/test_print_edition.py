@@ -81,7 +81,7 @@ def test_a_lecture_is_slides(site: Path, tmp_path: Path) -> None:
     text = (site / "lecture-05.html").read_text(encoding="utf-8")
     assert len(slides) == 1 + text.count("<h2><a") + text.count("<img alt=")
     assert all(slide.mediabox.width > 1.5 * slide.mediabox.height for slide in slides)
-    assert "Predict first" in slides[3].extract_text()
+    assert "2.3 Predict" in slides[3].extract_text()
 
 
 def test_solutions_are_on_paper_and_drawing_is_not(texts: list[str]) -> None:
