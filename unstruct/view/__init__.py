@@ -73,6 +73,10 @@ from .scenes.lifts import LIFT_CENTERS as LIFT_CENTERS
 from .scenes.lifts import LIFT_RADII as LIFT_RADII
 from .scenes.lifts import LIFT_WINDOW as LIFT_WINDOW
 from .scenes.lifts import lift_state as lift_state
+from .scenes.meshed_states import MESHED_METHODS as MESHED_METHODS
+from .scenes.meshed_states import MESHED_REGIONS as MESHED_REGIONS
+from .scenes.meshed_states import MESHED_SIZES as MESHED_SIZES
+from .scenes.meshed_states import meshed_state as meshed_state
 from .scenes.metric_states import METRIC_ACROSS as METRIC_ACROSS
 from .scenes.metric_states import METRIC_ALONG as METRIC_ALONG
 from .scenes.metric_states import METRIC_TURNS as METRIC_TURNS
