@@ -214,6 +214,4 @@ from .widgets.swap_widgets import diagonal_choice as diagonal_choice
 from .widgets.swap_widgets import diagonal_swaps as diagonal_swaps
 from .widgets.widgets import bowyer_watson as bowyer_watson
 from .widgets.widgets import cavity_argument as cavity_argument
-from .widgets.widgets import empty_circle as empty_circle
 from .widgets.widgets import new_triangle_argument as new_triangle_argument
-from .widgets.widgets import voronoi_dual as voronoi_dual

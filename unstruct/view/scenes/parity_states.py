@@ -14,18 +14,27 @@ __all__ = ["PARITY_OUTLINES", "PARITY_PLACES", "parity_frames", "parity_state"]
 
 Edges = Sequence[tuple[int, int]]
 
-SQUARE = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0)]
-RINGS = [*SQUARE, (1.0, 2.0), (3.0, 0.5), (5.0, 2.0), (3.0, 3.5), (2.4, 1.6), (3.6, 1.6), (3.0, 2.6)]
-EIGHT = [(0.0, 0.0), (3.0, 2.0), (0.0, 4.0), (6.0, 0.0), (6.0, 4.0)]
-GAP = [*SQUARE, (0.0, 2.6), (0.0, 1.4)]
+OUTER_RING = [(0.0, 0.0), (6.0, 0.0), (6.0, 4.0), (0.0, 4.0)]
+RING_CORNERS = [
+    *OUTER_RING,
+    (1.0, 2.0),
+    (3.0, 0.5),
+    (5.0, 2.0),
+    (3.0, 3.5),
+    (2.4, 1.6),
+    (3.6, 1.6),
+    (3.0, 2.6),
+]
+EIGHT_OUTLINE = [(0.0, 0.0), (3.0, 2.0), (0.0, 4.0), (6.0, 0.0), (6.0, 4.0)]
+GAP_OUTLINE = [*OUTER_RING, (0.0, 2.6), (0.0, 1.4)]
 # Points and facets; in the last one, one facet ends at each of the points 4 and 5.
 PARITY_OUTLINES: dict[str, tuple[list[tuple[float, float]], list[tuple[int, int]]]] = {
     "three rings": (
-        RINGS,
+        RING_CORNERS,
         [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (8, 9), (9, 10), (10, 8)],
     ),
-    "a figure of eight": (EIGHT, [(0, 1), (1, 2), (2, 0), (1, 3), (3, 4), (4, 1)]),
-    "nasty: a gap": (GAP, [(0, 1), (1, 2), (2, 3), (3, 4), (5, 0)]),
+    "a figure of eight": (EIGHT_OUTLINE, [(0, 1), (1, 2), (2, 0), (1, 3), (3, 4), (4, 1)]),
+    "nasty: a gap": (GAP_OUTLINE, [(0, 1), (1, 2), (2, 3), (3, 4), (5, 0)]),
 }
 # Where the point may be: inside and outside of each outline, on no facet.
 PARITY_PLACES = (
@@ -33,7 +42,7 @@ PARITY_PLACES = (
     (3.0, 3.8), (3.0, 0.3), (-0.7, 2.0), (3.0, 4.6),
 )  # fmt: skip
 PARITY_WINDOW = (-1.6, 7.6, -1.1, 5.1)
-REACH = 12.0  # how far the ray is drawn
+RAY_LENGTH = 12.0  # how far the ray is drawn
 
 
 def _ray(x: np.ndarray, unit: np.ndarray, far: float) -> fr.Item:
@@ -72,7 +81,7 @@ def parity_state(outline: str = "three rings", place: int = 0, turn: float = 0.0
     at = [x + _where(x, unit, *ends[list(facet)]) * unit for facet in met]
     items = [
         fr.segments("constrained", ends[np.array(facets)]),
-        _ray(x, unit, REACH),
+        _ray(x, unit, RAY_LENGTH),
         fr.dots("cavity", at),
         fr.dots("inserted", [x], handles=["X"]),
         fr.labels("inserted", [x], "X"),
@@ -119,7 +128,7 @@ def parity_frames(
         fr.labels("vertex", ends, range(len(ends))),
     ]
     dot = [fr.dots("inserted", [start]), fr.labels("inserted", [(start[0], start[1] + 0.35)], "X")]
-    made = [fr.frame("a ray to the right, from X", *base, _ray(start, unit, REACH), *dot, number="0")]
+    made = [fr.frame("a ray to the right, from X", *base, _ray(start, unit, RAY_LENGTH), *dot, number="0")]
     total = 0
     for along in sorted(stops):
         named: dict[bool, list[str]] = {True: [], False: []}
@@ -134,5 +143,5 @@ def parity_frames(
         made.append(fr.frame(caption, *base, *items, *dot, number=str(total)))
     odd = total % 2 == 1
     result = f"{total} is {'odd: X is inside' if odd else 'even: X is outside'}"
-    made.append(fr.frame(result, *base, _ray(start, unit, REACH), *dot, number=str(total)))
+    made.append(fr.frame(result, *base, _ray(start, unit, RAY_LENGTH), *dot, number=str(total)))
     return [{**one, "view": list(PARITY_WINDOW)} for one in made]

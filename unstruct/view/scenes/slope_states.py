@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ...simplex import angles, circumcenter, circumradius
+from ...geometry.simplex import angles, circumcenter, circumradius
 from ..draw import frames as fr
 from .choices import within
 
@@ -14,8 +14,8 @@ __all__ = ["SLOPE_FEET", "SLOPE_HEIGHTS", "slope_bounds", "slope_state"]
 
 SLOPE_HEIGHTS = (0.15, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4, 1.6, 1.732)
 SLOPE_FEET = (0.0, 0.2, 0.4, 0.6, 0.8, 0.95)
-BASE = np.array([[-1.0, 0.0], [1.0, 0.0]])
-AT, SCALE = np.array([4.7, 0.4]), 0.65  # where the plane of gradients is drawn
+SLOPE_BASE = np.array([[-1.0, 0.0], [1.0, 0.0]])
+GRADIENTS_AT, GRADIENT_SCALE = np.array([4.7, 0.4]), 0.65  # where the plane of gradients is drawn
 REACH_OF_STRIP = 12.0
 SLOPE_WINDOW = (-2.6, 7.2, -2.3, 3.0)
 
@@ -54,18 +54,18 @@ def slope_state(height: float = 0.6, foot: float = 0.4) -> fr.Frame:
     within("height", height, 0.1, 2.0)
     within("foot", foot, 0.0, 1.0)
     apex = np.array([foot, height])
-    triangle = np.vstack([apex, BASE])
+    triangle = np.vstack([apex, SLOPE_BASE])
     center, radius = circumcenter(triangle), float(circumradius(triangle))
     allowed = slope_bounds(triangle)
     farthest = float(np.sqrt((allowed**2).sum(axis=1)).max())
-    drawn = AT + SCALE * allowed
+    drawn = GRADIENTS_AT + GRADIENT_SCALE * allowed
     strips = []
-    for side in BASE - apex:
+    for side in SLOPE_BASE - apex:
         unit = side / np.sqrt((side**2).sum())
         turned = np.array([-unit[1], unit[0]])
         edge = np.sqrt((side**2).sum()) / 2
         for sign in (-1, 1):
-            middle = AT + SCALE * sign * edge * unit
+            middle = GRADIENTS_AT + GRADIENT_SCALE * sign * edge * unit
             strips.append([middle - REACH_OF_STRIP * turned, middle + REACH_OF_STRIP * turned])
     items = [
         fr.circles("circumcircle", [center], [radius]),
@@ -75,11 +75,11 @@ def slope_state(height: float = 0.6, foot: float = 0.4) -> fr.Frame:
         fr.labels("vertex", triangle, "CAB"),
         fr.segments("muted", strips),
         fr.polygons("cavity", [drawn]),
-        fr.circles("circumcircle", [AT], [SCALE * radius]),
-        fr.segments("voronoi", [[AT, drawn[0]]]),
-        fr.dots("vertex", [AT]),
+        fr.circles("circumcircle", [GRADIENTS_AT], [GRADIENT_SCALE * radius]),
+        fr.segments("voronoi", [[GRADIENTS_AT, drawn[0]]]),
+        fr.dots("vertex", [GRADIENTS_AT]),
         fr.dots("inserted", [drawn[0]]),
-        fr.labels("vertex", [AT], "0"),
+        fr.labels("vertex", [GRADIENTS_AT], "0"),
     ]
     angle = float(np.degrees(angles(triangle)[0]))
     text = "the farthest corner is on the circle" if farthest < radius * (1 + 1e-9) else "beyond the circle"
