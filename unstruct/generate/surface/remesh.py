@@ -77,7 +77,8 @@ def remesh(
         eighth.
     onto : function (k, 3) -> (k, 3), optional
         The nearest points of the true surface, which the given triangles approximate: they are divided and
-        moved onto it first, points of features, too.
+        moved onto it first, points of features, too. It must leave its own results where they are; this is
+        not tested, and with other functions (a reflection, say) the division may take minutes.
     budget : int, optional
         The largest number of vertices, by default ten million.
     progress : bool
