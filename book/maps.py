@@ -5,16 +5,16 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Iterator, Sequence
 from functools import cache
+from html import escape
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from chapters import Chapter, chapters
-from matplotlib.axes import Axes
-from matplotlib.patches import FancyBboxPatch
 
 BOOK = Path(__file__).parent
-WIDE, HIGH = 0.96, 0.68  # of a box on the map
+WIDE, HIGH = 100, 92  # of a place on the map, in pixels
+BOX = 94, 64
+FILLED = {"first": "#dcebf7", "second": "#ffffff"}
 WORDS = 95  # a minute, where a chapter does not say how many minutes it takes
 
 
@@ -57,39 +57,44 @@ def depth() -> dict[str, int]:
     return {number: row(number) for number in needs}
 
 
-def draw_map(ax: Axes) -> int:
-    """The map: a box for each chapter, a line from each one that it needs. Returns the number of lines."""
+def drawn_map() -> str:
+    """The map as SVG: a box for each chapter, which is a link, and a line from each one that it needs."""
     rows = depth()
-    place = {chapter.number: (card["column"], -rows[chapter.number]) for chapter, card in cards()}
-    lines = 0
+    place = {
+        chapter.number: (
+            (card["column"] + 0.6) * WIDE,
+            (rows[chapter.number] + 0.45) * HIGH,
+        )
+        for chapter, card in cards()
+    }
+    size = (8.2 * WIDE, (max(rows.values()) + 0.9) * HIGH)
+    lines, boxes = [], []
     for chapter, card in cards():
         x, y = place[chapter.number]
         for need in all_named(card["needs"]):
             x0, y0 = place[need.number]
-            t = np.linspace(0, 1, 30)
-            bend = 3 * t**2 - 2 * t**3
-            start, end = y0 - HIGH / 2, y + HIGH / 2
-            ax.plot(x0 + (x - x0) * bend, start + (end - start) * t, "-", color="#77828c", lw=1.1, zorder=1)
-            lines += 1
-        first = card["reading"] == 1
-        ax.add_patch(
-            FancyBboxPatch(
-                (x - WIDE / 2, y - HIGH / 2),
-                WIDE,
-                HIGH,
-                boxstyle="round,pad=0,rounding_size=0.08",
-                facecolor="#dcebf7" if first else "white",
-                edgecolor="#1f4e79",
-                linestyle="-" if first else (0, (4, 2)),
-                linewidth=1.2,
-                zorder=2,
-            )
+            start, end = y0 + BOX[1] / 2, y - BOX[1] / 2
+            bend = (start + end) / 2
+            lines.append(f"M{x0:.0f} {start:.0f}C{x0:.0f} {bend:.0f} {x:.0f} {bend:.0f} {x:.0f} {end:.0f}")
+        reading = "first" if card["reading"] == 1 else "second"
+        texts = [f'<text x="{x:.0f}" y="{y - 13:.0f}" font-weight="bold">{chapter.number}</text>']
+        for k, words in enumerate(card["short"].split("\n")):
+            texts.append(f'<text x="{x:.0f}" y="{y + 5 + 14 * k:.0f}" font-size="12">{escape(words)}</text>')
+        wide, high = BOX
+        corner = f'x="{x - wide / 2:.0f}" y="{y - high / 2:.0f}" width="{wide}" height="{high}" rx="8"'
+        dashes = "" if reading == "first" else ' stroke-dasharray="5 3"'
+        name = escape(f"{chapter.number} {chapter.title}, {reading} reading", quote=True)
+        boxes.append(
+            f'<a href="{chapter.file}" aria-label="{name}"><rect {corner} stroke="#1f4e79" '
+            f'stroke-width="1.3" fill="{FILLED[reading]}"{dashes}/>{"".join(texts)}</a>'
         )
-        ax.text(x, y + 0.2, chapter.number, ha="center", va="center", fontsize=11, weight="bold", zorder=3)
-        ax.text(x, y - 0.1, card["short"], ha="center", va="center", fontsize=9, linespacing=0.95, zorder=3)
-    ax.set(xlim=(-0.6, 7.6), ylim=(-max(rows.values()) - 0.45, 0.45))
-    ax.axis("off")
-    return lines
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {size[0]:.0f} {size[1]:.0f}" role="group" '
+        f'aria-label="Map of the chapters" width="{size[0]:.0f}" text-anchor="middle" font-size="14" '
+        f'font-family="DejaVu Sans, Verdana, sans-serif" fill="#111111">'
+        f'<rect width="100%" height="100%" fill="#fff"/>'
+        f'<path d="{"".join(lines)}" fill="none" stroke="#77828c" stroke-width="1.3"/>{"".join(boxes)}</svg>'
+    )
 
 
 def link(chapter: Chapter) -> str:
@@ -98,7 +103,10 @@ def link(chapter: Chapter) -> str:
 
 def table() -> str:
     """The chapters in Markdown: title, question, what they need, minutes, reading, names of the library."""
-    lines = ["| chapter, and its question | needs | minutes | reading | in the library |", "| --- " * 5 + "|"]
+    lines = [
+        "| chapter, and its question | needs | minutes | reading | in the library |",
+        "| --- " * 5 + "|",
+    ]
     for chapter, card in cards():
         needs = ", ".join(link(need) for need in all_named(card["needs"])) or "–"
         reading = "first" if card["reading"] == 1 else "second"

@@ -1,4 +1,4 @@
-"""The website: python -m sphinx -W -b html site site/_build/html
+"""The website: python -m sphinx -W -E -b html site site/_build/html
 
 Nothing is executed and nothing is fetched: pages are the stored notebooks, mathematics is rendered by
 the MathJax that a package brings along, and players run on the widget states stored in the notebooks.
@@ -6,15 +6,18 @@ the MathJax that a package brings along, and players run on the widget states st
 
 from __future__ import annotations
 
+import shutil
 import sys
 import tomllib
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
 from pages import write_pages, write_scripts  # noqa: E402
+from previews import add_preview, sentences  # noqa: E402
 
 PROJECT = tomllib.loads((HERE.parent / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 MATHJAX = Path(find_spec("sphinx-mathjax-offline").origin).parent / "static" / "mathjax"
@@ -40,7 +43,7 @@ html_theme = "sphinx_book_theme"
 html_title = "Unstructured mesh generation"
 html_static_path = ["_static", "_made", str(MATHJAX / "tex-svg.js")]
 html_css_files = ["book.css", "print.css"]
-html_js_files = [(name, {"defer": "defer"}) for name in ("scripts.js", "widgets.js", "ledger.js")]
+html_js_files = [(name, {"defer": "defer"}) for name in ("scripts.js", "widgets.js", "ledger.js", "reach.js")]
 html_show_sourcelink = False
 html_copy_source = False
 html_show_search_summary = False  # it would fetch pages, which a browser forbids when they lie on a disk
@@ -56,6 +59,15 @@ html_theme_options = {
     "use_issues_button": False,
 }
 mathjax_path = "tex-svg.js"
+# A hundred formulas between a reader and the next link are too many for the Tab key.
+mathjax3_config = {"options": {"menuOptions": {"settings": {"inTabOrder": False}}}}
 
-write_pages(HERE.parent / "book", HERE)
+BOOK = HERE.parent / "book"
+write_pages(BOOK, HERE)
 write_scripts(HERE.parent / "unstruct" / "view", HERE / "_made")
+shutil.copyfile(HERE.parent / "book" / "cover.png", HERE / "_made" / "cover.png")
+
+
+def setup(app: Any) -> None:
+    app.add_config_value("page_sentences", sentences(BOOK), "html")
+    app.connect("html-page-context", add_preview)

@@ -10,9 +10,11 @@ from typing import Any
 from urllib.parse import unquote
 
 import nbformat
+from lectures import lecture_pages
 
 VIEW = "application/vnd.jupyter.widget-view+json"
-FRONT = "index"
+FRONT, TEACHERS = "index", "teaching"
+SVG = "image/svg+xml"
 # What has a number and an anchor: <a id="theorem-3-1-2"></a>, <a id="equation-3-1-2"></a>
 NUMBERED = "theorem|lemma|corollary|proposition|definition|equation"
 # after the chapters, in these orders
@@ -52,16 +54,28 @@ def write_pages(book: Path, site: Path) -> None:
     """Write one page for each notebook of ``book`` into ``site``; remove pages of notebooks now gone."""
     names = [path.stem for path in sorted(book.glob("*.ipynb"))]
     indexed, ledger = places_of_the_index(book), "ledger" in names
+    lectures = dict(lecture_pages(book))
     for old in site.glob("*.ipynb"):
-        if old.stem not in names:
+        if old.stem not in [*names, *lectures]:
             old.unlink()
+    for name, notebook in lectures.items():
+        for cell in notebook.cells:
+            if cell.cell_type == "markdown":
+                cell.source = for_sphinx(cell.source)
+        write(site / f"{name}.ipynb", nbformat.writes(notebook))
     for name in names:
         notebook = nbformat.read(book / f"{name}.ipynb", as_version=4)
-        for cell in notebook.cells:
+        for before, cell in zip([None, *notebook.cells], notebook.cells):
             if cell.cell_type == "code":
                 for output in cell.outputs:
                     show_widget(output)
+                    show_drawing(output)
                     link_to_pages(output)
+                if "hide-cell" in cell.metadata.get("tags", []):
+                    # below a solution in words, code verifies it
+                    what = "check" if before.source.rstrip().endswith("</details>") else "solution"
+                    prompts = {"code_prompt_show": f"Show the {what}", "code_prompt_hide": f"Hide the {what}"}
+                    cell.metadata["mystnb"] = {**cell.metadata.get("mystnb", {}), **prompts}
                 cell.source = re.sub(r"^%.*\n?", "", cell.source, flags=re.M)
                 if name in MADE or re.match(r"(Markdown|HTML)\(", cell.source):
                     cell.metadata["tags"] = ["remove-input"]
@@ -69,8 +83,11 @@ def write_pages(book: Path, site: Path) -> None:
                 text = linked(for_sphinx(cell.source)) if ledger else for_sphinx(cell.source)
                 cell.source = with_entries(text, cell.source, indexed.get(name, {}))
         notebook.cells = [part for cell in notebook.cells for part in (*anchor(cell, ledger), cell)]
+        notebook.cells[0].source = with_download(notebook.cells[0].source, f"../{book.name}/{name}.ipynb")
         if name == FRONT:
             notebook.cells.append(nbformat.v4.new_markdown_cell(contents(names), id="contents"))
+        if name == TEACHERS and lectures:
+            notebook.cells.append(nbformat.v4.new_markdown_cell(slides(lectures), id="slides"))
         write(site / f"{name}.ipynb", nbformat.writes(notebook))
 
 
@@ -84,6 +101,13 @@ def for_sphinx(text: str) -> str:
     text = re.sub(rf"\]\([\w.-]*#((?:{NUMBERED})-[\w-]+)\)", r"](#\1)", text)
     text = re.sub(r"(\]\([\w.-]+\.ipynb#)([^)\s]+)\)", lambda link: f"{link[1]}{slug(link[2])})", text)
     return re.sub(r"^((?:> ?)*)\$\$(.+?)\$\$$", displayed, text, flags=re.M | re.S)
+
+
+def with_download(text: str, notebook: str) -> str:
+    """A first cell with a link to the notebook itself, as the book has it, below its title."""
+    title, rest = text.split("\n", 1)
+    link = f"{{download}}`Download this page as a notebook <{notebook}>`"
+    return f"{title}\n\n:::{{container}} notebook\n{link}\n:::\n\n{rest}"
 
 
 def places_of_the_index(book: Path) -> dict[str, dict[str, list[str]]]:
@@ -149,6 +173,25 @@ def contents(names: list[str]) -> str:
     return "\n\n".join(trees)
 
 
+def slides(lectures: dict[str, Any]) -> str:
+    """The section of the page for teachers that leads to the figures of the lectures."""
+    titles = {
+        name: notebook.cells[0].source.splitlines()[0].removeprefix("# ")
+        for name, notebook in lectures.items()
+    }
+    lines = [f"- [{title}]({name}.ipynb)" for name, title in titles.items()]
+    return "\n".join(
+        [
+            "## The figures of each lecture",
+            "",
+            "One page for each lecture has the figures of its chapters, with their captions. Each figure is "
+            "a slide, when a page is printed, or by `python site/print_edition.py slides.pdf --lecture 1`.",
+            "",
+            *lines,
+        ]
+    )
+
+
 def anchor(cell: Any, ledger: bool) -> list[Any]:
     """Before each cell that checks claims a place to link to, and links to the rows of the ledger, if any."""
     claims = [tag for tag in cell.metadata.get("tags", []) if tag.startswith("C12")]
@@ -199,6 +242,14 @@ def show_widget(output: Any) -> None:
     place = f'<div class="unstruct-widget"><script type="application/json">{state}</script></div>'
     output["data"] = nbformat.from_dict({"text/html": place})
     output["metadata"] = nbformat.from_dict({})
+
+
+def show_drawing(output: Any) -> None:
+    """Put a drawing that has links, which a picture has not, into the page itself."""
+    if SVG in output.get("data", {}):
+        output["data"] = nbformat.from_dict(
+            {"text/html": f'<div class="drawing">{output["data"][SVG]}</div>'}
+        )
 
 
 def write_scripts(view: Path, made: Path) -> None:

@@ -2,7 +2,7 @@
 
 The website is built, a browser prints each page of it as it prints for readers (site/_static/print.css), and
 the parts are joined: with a title page, a table of contents, page numbers, bookmarks, and links that lead to
-pages of the book. It needs Chromium and pypdf, and nothing from the network.
+pages of the book. It needs Chromium and pypdf, and nothing from the network. `--lecture 5` makes slides.
 """
 
 from __future__ import annotations
@@ -60,9 +60,10 @@ SHEET = """<!doctype html><meta charset="utf-8"><style>
 @page {{ size: A4; margin: {margin} }} body {{ margin: 0; font-family: "Helvetica Neue", Arial, sans-serif }}
 {style}</style>{body}"""
 COVER = """body { font-size: 11pt } h1 { font-size: 30pt; margin: 60mm 0 4mm }
-h2 { page-break-before: always; font-size: 20pt } h3 { margin: 8mm 0 0 }
+h2 { page-break-before: always; font-size: 20pt } h3 { margin: 8mm 0 0; break-after: avoid }
 p { margin: 0 0 3mm } .row { display: flex; margin: .7mm 0 } .row b { font-weight: normal; flex: 1 }
-.row.one { font-weight: 600; margin-top: 3mm } .row.two { padding-left: 7mm; font-size: 10pt }"""
+.row.one { font-weight: 600; margin-top: 3mm; break-after: avoid }
+.row.two { padding-left: 7mm; font-size: 10pt }"""
 TITLE = """<h1>Unstructured mesh generation</h1>
 <p>A textbook of notebooks on an exact, fast, tested library</p><p>The unstruct authors</p>
 <p>Text and figures CC BY 4.0, code MIT</p><h2>Contents</h2>"""
@@ -88,7 +89,8 @@ class Part(NamedTuple):
 
 def in_order(site: Path) -> Iterator[tuple[str, str]]:
     """The pages of a built site that are printed, with the caption of their group: the front page first."""
-    names = [path.stem for path in sorted(HERE.glob("*.ipynb")) if (site / f"{path.stem}.html").exists()]
+    stems = [path.stem for path in sorted(HERE.glob("*.ipynb")) if (site / f"{path.stem}.html").exists()]
+    names = [name for name in stems if not name.startswith("lecture-")]
     yield FRONT, ""
     for caption, group in groups(names):
         yield from ((name, caption) for name in group if name not in ONLINE)
@@ -104,6 +106,19 @@ def printed(browser: Any, address: str) -> tuple[PdfReader, list[tuple[str, int,
     made = PdfReader(io.BytesIO(page.pdf(**PAPER)))
     page.close()
     return made, headings
+
+
+def slides(browser: Any, place: Path, out: Path) -> int:
+    """Write the figures of a lecture as slides, and return how many there are."""
+    if not place.is_file():
+        raise click.ClickException(f"there is no {place.name}: the course has 12 lectures")
+    page = browser.new_page(viewport={"width": 968, "height": 530})
+    page.emulate_media(media="print", color_scheme="light")
+    page.goto(place.resolve().as_uri())
+    page.evaluate(PREPARE)
+    out.write_bytes(page.pdf(prefer_css_page_size=True, print_background=True))
+    page.close()
+    return len(PdfReader(out).pages)
 
 
 def drawn(browser: Any, body: str, style: str, margin: str) -> PdfReader:
@@ -207,18 +222,25 @@ def joined(browser: Any, parts: list[Part]) -> PdfWriter:
 @click.command()
 @click.argument("out", type=click.Path(dir_okay=False, path_type=Path), default="book.pdf")
 @click.option("--only", multiple=True, help="Pages whose names begin so, for a look at some.")
+@click.option("--lecture", type=int, help="The figures of this lecture as slides, in place of the book.")
 @click.option("--site", type=click.Path(path_type=Path), help="A built site, which is then not built anew.")
-def main(out: Path, only: tuple[str, ...], site: Path | None) -> None:
+def main(out: Path, only: tuple[str, ...], lecture: int | None, site: Path | None) -> None:
     """Write the book, or some of its pages, into OUT."""
     browser_path = next(filter(None, map(shutil.which, NAMES)), None)
     if browser_path is None:
         raise click.ClickException(f"no browser: none of {', '.join(NAMES)} is installed")
     if site is None:
         site = HERE / "_build" / "html"
-        subprocess.run([sys.executable, "-m", "sphinx", "-q", "-W", "-b", "html", HERE, site], check=True)
+        subprocess.run(
+            [sys.executable, "-m", "sphinx", "-q", "-W", "-E", "-b", "html", HERE, site], check=True
+        )
     wanted = [(n, c) for n, c in in_order(site) if not only or n.startswith(only)]
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=browser_path, args=FLAGS, timeout=PATIENCE)
+        if lecture is not None:
+            count = slides(browser, site / f"lecture-{lecture:02d}.html", out)
+            click.echo(f"{out}: {count} slides, {out.stat().st_size / 1e6:.1f} MB")
+            return
         parts = []
         with click.progressbar(wanted, label="pages", file=sys.stderr) as bar:
             for name, caption in bar:

@@ -46,6 +46,7 @@ def skeleton_site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     shutil.copytree(ROOT / "unstruct" / "view", folder / "unstruct" / "view")
     shutil.copy(ROOT / "pyproject.toml", folder)
     (folder / "book").mkdir()
+    shutil.copy(ROOT / "book" / "cover.png", folder / "book")
     skeleton = (ROOT / "book" / "skeleton" / "0.0-skeleton.ipynb").read_text(encoding="utf-8")
     skeleton = skeleton.replace("2.1-dirichlet-tessellation.ipynb", "0.1-second.ipynb")
     (folder / "book" / "0.0-skeleton.ipynb").write_text(skeleton, encoding="utf-8")

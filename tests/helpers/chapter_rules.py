@@ -207,6 +207,43 @@ def exercises_are_complete(path: Path) -> Iterator[str]:
             yield f"no exercise has '{kind}' in its title"
 
 
+def read_by(*nodes: ast.AST) -> set[str]:
+    return {part.id for node in nodes for part in ast.walk(node) if isinstance(part, ast.Name)}
+
+
+def answers_judged(tree: ast.Module) -> set[str]:
+    """The names in a cell that a reader's answer changes: what is judged, and what is made of that."""
+    made: dict[str, set[str]] = {node.name: set() for node in tree.body if isinstance(node, ast.FunctionDef)}
+    for node in tree.body:
+        if isinstance(node, ast.Assign):
+            made |= dict.fromkeys(read_by(*node.targets), read_by(node.value))
+    given: list[ast.AST] = []
+    waiting = [
+        node.test for node in ast.walk(tree) if isinstance(node, ast.IfExp) and "not yet" in ast.unparse(node)
+    ]
+    while waiting:  # of "accepts(answer) == 2" the answer, not the judge
+        node = waiting.pop()
+        if isinstance(node, ast.Call):
+            given += [*node.args, *(keyword.value for keyword in node.keywords)]
+        elif isinstance(node, ast.Name):
+            given.append(node)
+        else:
+            waiting += [part for part in ast.iter_child_nodes(node) if isinstance(part, ast.expr)]
+    judged = read_by(*given) & set(made)
+    return judged | {name for name, read in made.items() if read & judged}
+
+
+def right_answers_pass(path: Path) -> Iterator[str]:
+    """What stands beside "not yet" is asserted of the stub: of the reader's names it fails when solved."""
+    for cell in code_cells(path):
+        if "not yet" not in cell.source or "hide-cell" in tags(cell):
+            continue
+        tree = ast.parse(cell.source)
+        asserted = read_by(*(node for node in tree.body if isinstance(node, ast.Assert)))
+        for name in sorted(asserted & answers_judged(tree)):
+            yield f"{cell.id}: asserts of {name!r}, which a reader changes; write what the stub has again"
+
+
 def pictures_speak(path: Path) -> Iterator[str]:
     """Alt text, a caption in italics below, and a number or an assertion beside each."""
     exercises = {cell.id for cell in section(path, "exercises")}
@@ -261,6 +298,7 @@ RULES = [
     dead_links,
     the_source_has_boxes,
     exercises_are_complete,
+    right_answers_pass,
     pictures_speak,
     widgets_move_without_a_kernel,
     it_begins_and_ends_well,

@@ -32,6 +32,7 @@ QUIET = ["disable-gpu", "disable-quic", "no-first-run", "disable-background-netw
 PATIENCE = 900_000  # milliseconds, to end what hangs; a busy machine may be slow
 CLIPPED = (ROOT / "tests" / "helpers" / "clipped.js").read_text(encoding="utf-8")
 WIDTHS = 1280, 390  # a laptop, a telephone
+PAPER = 650  # pixels between the margins of a sheet
 FLAGS = ["--no-sandbox", "--disable-component-update", *(f"--{flag}" for flag in QUIET)]
 
 
@@ -78,9 +79,8 @@ def shows_player(cell: nbformat.NotebookNode) -> bool:
     return any(w["kind"] == "anywidget" and len(w["traits"].get("frames", [])) > 1 for w in tops)
 
 
-def answers_to_a_slider(cell: nbformat.NotebookNode) -> bool:
-    kinds = [{part["kind"] for part in parts(widget)} for widget in widgets(cell)]
-    return any({"anywidget", "control"} <= found for found in kinds)
+def needs_a_kernel(cell: nbformat.NotebookNode) -> bool:
+    return any(part["kind"] == "control" for widget in widgets(cell) for part in parts(widget))
 
 
 def test_the_ledger_is_filtered(page: Any, site: Path) -> None:
@@ -148,7 +148,7 @@ def test_mathematics_is_typeset_and_widgets_are_drawn(site: Path, page: Any) -> 
 
 
 def test_nothing_is_clipped(site: Path, page: Any) -> None:
-    """On a laptop and on a telephone, folded cells opened: what is too wide can be scrolled to."""
+    """On a laptop, a telephone and on paper, folded cells opened: what is too wide can be scrolled to."""
     wrong = []
     for name in notebooks():
         page.set_viewport_size({"width": WIDTHS[0], "height": 900})
@@ -161,6 +161,10 @@ def test_nothing_is_clipped(site: Path, page: Any) -> None:
         for width in WIDTHS:
             page.set_viewport_size({"width": width, "height": 900})
             wrong += [f"{name.stem} at {width} px: {text}" for text in page.evaluate(CLIPPED)]
+        page.emulate_media(media="print")
+        page.set_viewport_size({"width": PAPER, "height": 900})
+        wrong += [f"{name.stem} on paper: {text}" for text in page.evaluate(CLIPPED)]
+        page.emulate_media(media="screen")
     assert not wrong, "\n".join(wrong)
 
 
@@ -178,6 +182,74 @@ def test_players_step_without_a_kernel(site: Path, page: Any) -> None:
     assert picture.inner_html() != first, "the picture of the second step is the picture of the first"
     player.locator("[data-do=back]").click()
     assert picture.inner_html() == first
+
+
+def tabbed(page: Any, to: str, most: int = 400) -> None:
+    """Press Tab until something has the focus, which must then be seen."""
+    for _ in range(most):
+        page.keyboard.press("Tab")
+        if page.evaluate("(to) => document.activeElement.matches(to)", to):
+            break
+    else:
+        raise AssertionError(f"{to} is not reached by Tab")
+    style = "getComputedStyle(document.activeElement)"
+    look = page.evaluate(f"{style}.outlineStyle"), page.evaluate(f"{style}.outlineWidth")
+    assert look == ("solid", "2px"), f"{to} has the focus, which is not seen: {look}"
+
+
+def test_everything_is_used_by_keys(site: Path, page: Any) -> None:
+    """The skip link, players, views in space, folded solutions, the map, and the filters of the ledger."""
+    page.goto((site / "2.8a-delaunay-in-space.html").as_uri())
+    page.wait_for_function("!document.querySelector('.unstruct-widget:not([data-state=drawn])')")
+    tabbed(page, ".skip-link a", 1)
+    page.keyboard.press("Enter")
+    assert page.evaluate("location.hash") == "#main-content"
+    tabbed(page, ".unstruct-player:not(.unstruct-space)")
+    caption = lambda: page.evaluate("document.activeElement.querySelector('.unstruct-caption').textContent")  # noqa: E731
+    first = caption()
+    page.keyboard.press("ArrowRight")
+    assert caption() != first
+    tabbed(page, ".unstruct-space")
+    turned = "document.activeElement.querySelector('canvas').toDataURL()"
+    before = page.evaluate(turned)
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function(f"before => {turned} != before", arg=before)
+    tabbed(page, "details:has(> .cell_input, > summary:only-child, > p) > summary")
+    page.keyboard.press("Enter")
+    assert page.evaluate("document.activeElement.parentElement.open")
+
+    page.goto((site / "index.html").as_uri())
+    for _ in range(400):
+        page.keyboard.press("Tab")
+        if page.evaluate("document.activeElement.closest('.drawing') !== null"):
+            break
+    frame = "getComputedStyle(document.activeElement.querySelector('rect')).strokeWidth"
+    assert page.evaluate(frame) == "3.5px", "the frame of the box shows the focus"
+    page.keyboard.press("Enter")
+    page.wait_for_url("**/1-introduction.html")
+
+    page.goto((site / "ledger.html").as_uri())
+    tabbed(page, "select[name=verdict]")
+    page.keyboard.press("f")  # false
+    assert page.locator("table.ledger tr[data-verdict]:visible").count() < len(ledger())
+
+
+def test_players_work_by_touch(site: Path, browser: Any) -> None:
+    """On a telephone: a tap steps; a finger that moves up and down over a picture still scrolls the page."""
+    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    page = context.new_page()
+    page.goto((site / "2.8a-delaunay-in-space.html").as_uri())
+    page.wait_for_function("!document.querySelector('.unstruct-widget:not([data-state=drawn])')")
+    player = page.locator(".unstruct-player:has(input[max]:not([max='0']))").first
+    count = player.locator(".unstruct-bar output")
+    player.locator("[data-do=next]").tap()
+    assert count.inner_text().startswith("2/")
+    touch = "all => [...new Set(all.map((each) => getComputedStyle(each).touchAction))]"
+    assert page.locator(".unstruct-picture").evaluate_all(touch) == ["pan-y"]
+    controls = page.locator(".unstruct-player :is(button, input, select)")
+    heights = controls.evaluate_all("all => all.map((each) => each.getBoundingClientRect().height)")
+    assert min(height for height in heights if height) >= 24, "a finger is not a mouse"
+    context.close()
 
 
 def test_the_form_of_new_chapters_on_a_page(skeleton_site: Path, page: Any) -> None:
@@ -273,16 +345,19 @@ def lab(tmp_path: Path) -> Iterator[str]:
         server.wait()
 
 
-def test_a_widget_answers_in_jupyterlab(lab: str, tmp_path: Path, browser: Any) -> None:
-    """Run the book's first widget with a slider, and a panel; move the sliders, see the pictures change."""
-    found = [(path, cell) for path in chapters() for cell in code_cells(path) if answers_to_a_slider(cell)]
-    assert found, "no chapter has a widget with a slider"
-    path, cell = found[0]
+def test_no_widget_is_dead_on_the_website() -> None:
+    """All move without a kernel."""
+    dead = [path.stem for path in notebooks() if any(map(needs_a_kernel, code_cells(path)))]
+    assert not dead, dead
+
+
+def test_a_panel_answers_in_jupyterlab(lab: str, tmp_path: Path, browser: Any) -> None:
+    """That of the skeleton: run its cell, move a slider, see the picture change."""
     skeleton = BOOK / "skeleton" / "0.0-skeleton.ipynb"
-    setup = [other.source for p in (path, skeleton) for other in code_cells(p) if sets_up(other.source)]
-    (panel,) = [other.source for other in code_cells(skeleton) if "view.panel(" in other.source]
-    cells = [nbformat.v4.new_code_cell(source) for source in [*setup, cell.source, panel]]
-    metadata = json.loads((BOOK / path.name).read_text(encoding="utf-8"))["metadata"]
+    setup = [cell.source for cell in code_cells(skeleton) if sets_up(cell.source)]
+    (panel,) = [cell.source for cell in code_cells(skeleton) if "view.panel(" in cell.source]
+    cells = [nbformat.v4.new_code_cell(source) for source in [*setup, panel]]
+    metadata = json.loads(skeleton.read_text(encoding="utf-8"))["metadata"]
     nbformat.write(nbformat.v4.new_notebook(cells=cells, metadata=metadata), tmp_path / "widget.ipynb")
 
     page = browser.new_page(viewport={"width": 1200, "height": 1400})
@@ -297,14 +372,7 @@ def test_a_widget_answers_in_jupyterlab(lab: str, tmp_path: Path, browser: Any) 
     assert error.count() == 0, error.first.inner_text()
     picture = page.locator(".unstruct-picture").first
     before = picture.inner_html()
-    slider = page.locator(".noUi-handle").first
-    slider.focus()
-    for key in ("ArrowRight", "ArrowRight", "PageDown", "PageDown"):
-        slider.press(key)
-    page.wait_for_function(
-        "before => document.querySelector('.unstruct-picture').innerHTML != before",
-        arg=before,
-    )
     page.locator(".unstruct-grid input").first.press("ArrowRight")
     assert page.locator(".unstruct-grid ~ .unstruct-number").inner_text() == "sides 3.35, 3.35"
+    assert picture.inner_html() != before
     page.close()

@@ -9,7 +9,7 @@ from pathlib import Path
 import nbformat
 import pytest
 from book_files import ROOT, chapters, notebook, notebooks
-from chapter_rules import RULES, dead_links, links_of
+from chapter_rules import RULES, dead_links, links_of, right_answers_pass
 
 SKELETON = ROOT / "book" / "skeleton" / "0.0-skeleton.ipynb"
 
@@ -69,6 +69,27 @@ def test_a_rule_sees_what_is_wrong(tmp_path: Path, find: str, replace: str, said
     nbformat.write(broken, tmp_path / SKELETON.name)
     wrong = [text for rule in RULES for text in rule(tmp_path / SKELETON.name)]
     assert any(re.search(said, text) for text in wrong), wrong
+
+
+JUDGE = "def accepts(x):\n    return x() > 1\n\ndef answer():\n    return 1\n\n"
+JUDGED = [
+    ('print("solved" if accepts(answer) else "not yet")\nassert not accepts(lambda: 1)', []),
+    ('print("solved" if accepts(answer) else "not yet")\nassert not accepts(answer)', ["answer"]),
+    ('print("solved" if answer() == 2 else "not yet")\nassert answer() == 1', []),
+    ('good = answer() == 2\nprint("solved" if good else "not yet")\nassert not good', ["good"]),
+    ('print("solved" if accepts(answer) else "not yet")\nboth = [answer]\nassert both', ["both"]),
+]
+
+
+@pytest.mark.parametrize(("judged", "names"), JUDGED)
+def test_asserts_that_fail_for_a_right_answer_are_seen(tmp_path: Path, judged: str, names: list[str]) -> None:
+    book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(JUDGE + judged)])
+    nbformat.write(book, tmp_path / "0.1-judged.ipynb")
+    found = [
+        re.search(r"asserts of '(\w+)'", text)[1]
+        for text in right_answers_pass(tmp_path / "0.1-judged.ipynb")
+    ]
+    assert found == names
 
 
 def without_tags(cell: nbformat.NotebookNode) -> None:

@@ -72,6 +72,18 @@ def test_links_lead_to_pages_of_the_book(book: pypdf.PdfReader) -> None:
     assert {(False, False), (True, False)} <= across
 
 
+def test_a_lecture_is_slides(site: Path, tmp_path: Path) -> None:
+    """Wide sheets, one for each figure besides the title and the chapters."""
+    out = tmp_path / "slides.pdf"
+    command = [sys.executable, ROOT / "site" / "print_edition.py", out, "--lecture", "5", "--site", site]
+    subprocess.run(command, check=True)
+    slides = pypdf.PdfReader(out).pages
+    text = (site / "lecture-05.html").read_text(encoding="utf-8")
+    assert len(slides) == 1 + text.count("<h2><a") + text.count("<img alt=")
+    assert all(slide.mediabox.width > 1.5 * slide.mediabox.height for slide in slides)
+    assert "2.3 Predict" in slides[3].extract_text()
+
+
 def test_solutions_are_on_paper_and_drawing_is_not(texts: list[str]) -> None:
     whole = "\n".join(texts)
     assert "Solution" in whole and "∎" in whole.replace("■", "∎")

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
+from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-from book_files import code_cells, notebooks
+import nbformat
+from book_files import BOOK, chapters, code_cells, notebooks
 
 
 class Page(HTMLParser):
@@ -69,6 +72,55 @@ def test_no_dead_link(site: Path) -> None:
     assert not dead, "\n".join(dead)
 
 
+def test_each_page_has_its_notebook(site: Path) -> None:
+    """The very file of the book, which opens in Jupyter, is downloaded from below the title."""
+    for path in notebooks():
+        text = (site / f"{path.stem}.html").read_text(encoding="utf-8")
+        (link,) = re.findall(r'class="reference download internal" download="" href="([^"]+)"', text)
+        assert (site / unquote(link)).read_bytes() == path.read_bytes(), path.name
+        assert text.rindex("</h1>") < text.index(link) < text.rindex("</h1>") + 200
+        nbformat.validate(nbformat.read(site / unquote(link), as_version=4))
+
+
+def previews(site: Path) -> dict[str, dict[str, str]]:
+    """What each page says of itself to those who link to it."""
+    meta = re.compile(r'<meta (?:name|property)="(description|og:[\w:]+)" content="([^"]*)"')
+    texts = {path.stem: path.read_text(encoding="utf-8") for path in site.glob("*.html")}
+    return {name: {key: unescape(value) for key, value in meta.findall(text)} for name, text in texts.items()}
+
+
+def test_each_page_has_a_sentence_and_a_picture_for_links_to_it(site: Path) -> None:
+    found = previews(site)
+    pages_ = [path.stem for path in notebooks()]
+    sentences = [found[name]["description"] for name in pages_]
+    assert len(set(sentences)) == len(sentences), "each has its own"
+    for name in pages_:
+        one = found[name]
+        assert 20 <= len(one["og:description"]) <= 200 and one["og:description"] == one["description"]
+        assert one["og:title"] and "<" not in one["og:title"]
+        assert (site / one["og:image"]).is_file() and len(one["og:image:alt"]) >= 20
+    pictures = [found[path.stem]["og:image"] for path in chapters()]
+    assert len(set(pictures)) == len(pictures) and all(name.startswith("_images/") for name in pictures)
+
+
+def test_lectures_have_the_figures_of_their_chapters(site: Path) -> None:
+    """All of them, but for those of exercises, with their captions."""
+    lectures = tomllib.loads((BOOK / "chapters.toml").read_text(encoding="utf-8"))["lecture"]
+    teachers = (site / "teaching.html").read_text(encoding="utf-8")
+    for number, lecture in enumerate(lectures, start=1):
+        name = f"lecture-{number:02d}"
+        text = (site / f"{name}.html").read_text(encoding="utf-8")
+        assert f'href="{name}.html"' in teachers and lecture["title"] in text
+        pictures = re.findall(r'<img alt="[^"]{20,}" src="(_images/[^"]+)"', text)
+        assert len(pictures) >= 8, f"{name}: {len(pictures)} figures"
+        for chapter in lecture["chapters"]:
+            (path,) = (path for path in chapters() if path.name.startswith(f"{chapter}-"))
+            own = (site / f"{path.stem}.html").read_text(encoding="utf-8")
+            assert any(picture in own for picture in pictures) and f'href="{path.stem}.html' in text
+    index = (site / "searchindex.js").read_text(encoding="utf-8")
+    assert "Lecture 1: " not in index, "the search leads to the chapters"
+
+
 def test_every_picture_has_a_text(site: Path) -> None:
     bare = {name: page.bare_pictures for name, page in pages(site).items() if page.bare_pictures}
     assert not bare, bare
@@ -101,6 +153,15 @@ def test_the_search_finds_the_entries_of_the_index(site: Path) -> None:
         assert places and not any(page == "index-of-terms" for page, _ in places)
         for page, target in places:
             assert f'id="{target}"' in (site / f"{page}.html").read_text(encoding="utf-8")
+
+
+def test_the_search_finds_the_terms_of_the_glossary(site: Path) -> None:
+    text = (site / "searchindex.js").read_text(encoding="utf-8")
+    index = json.loads(re.search(r"Search\.setIndex\((.*)\)", text, flags=re.S)[1])
+    page = index["docnames"].index("glossary")
+    for stem in ("sliver", "circumcent", "encroach", "quadtre"):
+        found = index["terms"][stem]
+        assert page == found or page in found, stem
 
 
 def test_cells_of_claims_lead_to_their_rows_and_back(site: Path) -> None:

@@ -91,7 +91,10 @@ def _positive(c0: Fraction, c1: Fraction, c2: Fraction) -> bool:
 
 
 def column_limit(base: Points, rays: Points) -> float:
-    """The least positive root of the three quadratics; infinite if there is none."""
+    """The least positive root of the three quadratics; infinite if there is none.
+
+    Below it columns of equal height are positive, if each ray sees the triangle.
+    """
     roots = []
     for c0, c1, c2 in ([float(c) for c in q] for q in quadratics(base, rays)):
         square = c1 * c1 - 4 * c0 * c2

@@ -90,7 +90,7 @@ def warp(
     """Move vertices onto the boundary along edges, by less than a share of each.
 
     Of several crossings the one with the smallest share is taken. Returned are the
-    triangles with moved vertices, and the levels there: zero if a vertex was moved.
+    triangles with moved vertices, and the values there: zero if a vertex was moved.
     """
     rows = list(triangles)
     value = {p: level(p) for triangle in rows for p in triangle}

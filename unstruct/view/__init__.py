@@ -73,6 +73,10 @@ from .scenes.lifts import LIFT_CENTERS as LIFT_CENTERS
 from .scenes.lifts import LIFT_RADII as LIFT_RADII
 from .scenes.lifts import LIFT_WINDOW as LIFT_WINDOW
 from .scenes.lifts import lift_state as lift_state
+from .scenes.meshed_states import MESHED_METHODS as MESHED_METHODS
+from .scenes.meshed_states import MESHED_REGIONS as MESHED_REGIONS
+from .scenes.meshed_states import MESHED_SIZES as MESHED_SIZES
+from .scenes.meshed_states import meshed_state as meshed_state
 from .scenes.metric_states import METRIC_ACROSS as METRIC_ACROSS
 from .scenes.metric_states import METRIC_ALONG as METRIC_ALONG
 from .scenes.metric_states import METRIC_TURNS as METRIC_TURNS
@@ -216,6 +220,4 @@ from .widgets.swap_widgets import diagonal_choice as diagonal_choice
 from .widgets.swap_widgets import diagonal_swaps as diagonal_swaps
 from .widgets.widgets import bowyer_watson as bowyer_watson
 from .widgets.widgets import cavity_argument as cavity_argument
-from .widgets.widgets import empty_circle as empty_circle
 from .widgets.widgets import new_triangle_argument as new_triangle_argument
-from .widgets.widgets import voronoi_dual as voronoi_dual

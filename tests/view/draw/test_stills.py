@@ -20,7 +20,7 @@ VIEW = "application/vnd.jupyter.widget-view+json"
 STEPS = [fr.frame(f"step {k}", fr.dots("vertex", [[0, 0], [1, k]])) for k in range(3)]
 WIDGETS = {
     "player": lambda: view.player(STEPS, alt="two points"),
-    "panel": view.empty_circle,
+    "panel": view.bowyer_watson,
     "space": lambda: view.view3d(delaunay(np.random.default_rng(1).random((9, 3))), alt="a few tetrahedra"),
 }
 

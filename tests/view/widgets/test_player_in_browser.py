@@ -328,19 +328,19 @@ def test_two_thousand_cells_turn_in_a_tenth_of_a_second(show):
     assert sorted(took)[1] < 100, took
 
 
-def test_another_history_starts_where_it_says(show):
-    page = show(view.voronoi_dual().player)
-    middle = page.evaluate("model.get('index')")
+def test_another_history_starts_at_its_beginning(show):
+    panel = view.bowyer_watson()
+    page = show(panel.player)
     page.click("[data-do=last]")
-    page.select_option("select", label="lattice: four on each circle")
-    assert page.evaluate("model.get('variant')") == 2 and page.evaluate("model.get('index')") == middle
-    assert page.inner_text(".unstruct-number") == "8 triangles, 4 Voronoi vertices"
+    second = panel.player.variants[1]
+    page.select_option("select", label=second["name"])
+    assert page.evaluate("model.get('variant')") == 1 and page.evaluate("model.get('index')") == 0
+    assert page.inner_text(".unstruct-caption") == second["frames"][0]["caption"]
 
 
 def test_the_nasty_window_is_drawn_in_a_tenth_of_a_second(show):
-    panel = view.empty_circle()
-    panel.controls["preset"].value = "nasty: neighboring doubles"
-    page = show(panel.player)
+    frame = view.empty_circle_state(0, 0, "nasty: neighboring doubles")
+    page = show(view.player([frame], alt="Signs at a window of neighboring doubles."))
     assert page.locator("[data-kind=points] path").count() == 33**2 + 1
     took = page.evaluate(
         """() => [1, 2, 3].map(() => {

@@ -213,7 +213,7 @@ def _paint(ax: Axes, things: list[tuple], center: np.ndarray, turn: np.ndarray, 
         marks(ax, np.concatenate(flat), item["role"], z, opacity)
     elif kind == "labels":
         for place, thing in zip(np.concatenate(flat), things):
-            write_label(ax, place, thing[4], style.color, opacity, z)
+            write_label(ax, place, thing[4], style.ink, opacity, z)
     else:
         circle = np.linspace(0, 2 * np.pi, 73)
         ring = np.column_stack([np.cos(circle), np.sin(circle)])

@@ -161,7 +161,7 @@ function paint(pen, scene, things, styles, state, size) {
       pen.strokeStyle = "#fff";
       pen.lineWidth = 3;
       pen.strokeText(thing.text, px + 6, py - 6);
-      pen.fillStyle = style.color;
+      pen.fillStyle = style.ink ?? style.color; // states stored earlier have no ink
       pen.fillText(thing.text, px + 6, py - 6);
     }
   }

@@ -34,7 +34,7 @@ def draw_items(ax: Axes, items: Iterable[fr.Item]) -> None:
             marks(ax, np.asarray(data), item["role"], z, opacity)
         elif item["kind"] == "labels":
             for place, text in zip(data, item["text"]):
-                label(ax, place, text, style.color, opacity, z + 30)
+                label(ax, place, text, style.ink, opacity, z + 30)
         elif item["kind"] == "segments":
             ax.add_collection(LineCollection(data, zorder=z, alpha=opacity, **line_style(item["role"])))
         else:

@@ -24,7 +24,6 @@ from .histories import baker_frames, insertion_frames
 
 __all__ = [
     "CIRCLES",
-    "FADES",
     "INSERTIONS",
     "SITES",
     "bowyer_watson_history",
@@ -37,11 +36,10 @@ __all__ = [
 # ---- the empty circle ----------------------------------------------------------------------------
 
 CIRCLES: dict[str, dict[str, Any]] = {
-    "any triangle": {"triangle": [[-1.0, -0.7], [1.2, -0.5], [0.2, 1.1]], "start": (0.9, 0.8)},
-    "corners of a square": {"triangle": [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0]], "start": (-1.0, 1.0)},
+    "any triangle": {"triangle": [[-1.0, -0.7], [1.2, -0.5], [0.2, 1.1]]},
+    "corners of a square": {"triangle": [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0]]},
     "nasty: neighboring doubles": {
         "triangle": [[1.7, 1.0], [0.9, 1.6], [-0.2, 0.7]],
-        "start": (0.5, -0.25),
         "origin": (0.03, -0.022936474715370983),  # a double next to the circle
     },
 }
@@ -179,7 +177,6 @@ SITES: dict[str, list[list[float]]] = {
     "three neighbors, no triangle": [[0.0, 0.0], [4.0, 0.0], [0.0, 4.0], [1.0, 1.0]],
     "vertices outside their triangles": [[0.0, 0.0], [1.0, 3.0], [2.0, 3.0], [3.0, 1.0]],
 }
-FADES = 11
 
 
 def voronoi_dual_state(fade: float, preset: str = "nine sites") -> fr.Frame:

@@ -77,7 +77,7 @@ def template_frames(leaves: Collection[Cell]) -> list[fr.Frame]:
     rest = sorted(whole - set(done))
     frames += [
         fr.frame(
-            "two triangles in each other square",
+            "two triangles in each of the other squares",
             squares,
             fr.polygons("accepted", done),
             fr.polygons("highlight", rest),

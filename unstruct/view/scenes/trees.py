@@ -180,8 +180,8 @@ def halo_frames() -> list[fr.Frame]:
     names = [fr.labels("vertex", [[0.36, 0.355]], ["S"])]
     base = [squares("cell", grid), squares("cavity", [middle]), *names]
     texts = [
-        "S is divided by balance: a cell of half its side that touches it, or lies in it, asked for that",
-        "and this one was asked by a cell of a quarter of the side",
+        "a divided cell of half the side of S touches S, or lies in it: it asks for S",
+        "and is asked for itself by a cell of half its own side",
         "and so on: the chain reaches less than s/2 + s/4 + ... = s beyond S",
         "so the cell of the side of S around its end is S or one of the 8 around it: it pays for S",
     ]

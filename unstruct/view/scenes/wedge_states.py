@@ -23,11 +23,11 @@ WEDGES: dict[str, tuple[tuple[int, int], ...]] = {
 }
 LOWER_TRIANGLE = ((0, 0), (3, 0), (0, 3))
 WEDGE_TOP = 3.0
-PLOT_AT, PLOT_SIZE = (7.4, 1.4), (3.6, 2.4)  # where the graph of the Jacobian stands, and how large it is
+PLOT_AT, PLOT_SIZE = (9.4, 1.2), (3.6, 2.8)  # where the graph of the Jacobian stands, and how large it is
 PLOT_TOP = 3.2  # the value of the Jacobian at its upper end
 STEPS_OF_CURVE = 40
 ZERO_SECTION = 1e-9  # an area that is zero but for rounding
-WEDGE_WINDOW = [-5.2, 13.6, -1.6, 5.6]
+WEDGE_WINDOW = [-5.2, 16.6, -1.6, 5.6]
 
 
 def wedge_coefficients(upper: tuple[tuple[int, int], ...]) -> tuple[Fraction, Fraction, Fraction]:

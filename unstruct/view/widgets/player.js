@@ -77,7 +77,7 @@ function draw(item, styles, to, unit, size, id) {
       const [x, y] = to(p);
       return `<text x="${n(x + 6)}" y="${n(y - 6)}">${escape(item.text[k])}</text>`;
     });
-    return `${open} class="unstruct-label" fill="${style.color}">${texts.join("")}</g>`;
+    return `${open} class="unstruct-label" fill="${style.ink ?? style.color}">${texts.join("")}</g>`;
   }
   if (item.kind === "segments") {
     return `${open} fill="none" ${stroke}><path d="${item.data.map((s) => path(s, "")).join("")}"/></g>`;
@@ -246,8 +246,10 @@ class Player {
       const { axis } = control.dataset;
       const value = this.grid[axis].values[places[axis]];
       if (control.localName === "select") control.selectedIndex = places[axis];
-      else [control.value, control.nextSibling.textContent] = [places[axis], value];
-      control.setAttribute("aria-valuetext", value);
+      else {
+        [control.value, control.nextSibling.textContent] = [places[axis], value];
+        control.setAttribute("aria-valuetext", value);
+      }
     }
     for (const name of ["first", "back"]) this.part(`[data-do=${name}]`).disabled = index === 0;
     for (const name of ["next", "last"]) this.part(`[data-do=${name}]`).disabled = index === count - 1;
@@ -270,7 +272,7 @@ class Player {
   }
   begin() {
     this.stop();
-    this.go(this.sets ? this.index : (this.history.start ?? 0)); // each preset has its own first frame
+    this.go(this.sets ? this.index : 0);
   }
   // Which value each parameter of a panel has in a combination; the last parameter runs fastest.
   places(variant) {

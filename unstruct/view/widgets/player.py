@@ -36,7 +36,7 @@ class Player(anywidget.AnyWidget):
     alt : str
         A sentence for readers who cannot see the picture.
     variants : list of dict
-        Several histories instead of one, each ``{"name": …, "frames": …, "view": …, "start": …}``.
+        Several histories instead of one, each ``{"name": …, "frames": …, "view": …}``.
     variant : int
         The number of the history that is shown.
     grid : list of dict

@@ -1,30 +1,20 @@
 """The widgets that show the scenes of `states` and `proofs`, with sliders and drop-down lists.
 
-Each function returns a `Panel` of at most three controls and one player, or a player with its own controls.
-If there are few frames, all of them are computed at once, so that the picture also moves on a page without a
-kernel. `empty_circle` calls Python at every move.
+Each function returns a player with its own controls, or a `Panel` with a player that has a list of histories.
+All frames are computed at once, so that the picture also moves on a page without a kernel.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import ipywidgets
-import numpy as np
 
 from ..draw import frames as fr
 from ..draw.stills import with_still
 from ..scenes.proofs import cavity_proof_state, star_proof_state
-from ..scenes.states import (
-    CIRCLES,
-    FADES,
-    INSERTIONS,
-    SITES,
-    bowyer_watson_history,
-    empty_circle_state,
-    voronoi_dual_state,
-)
+from ..scenes.states import INSERTIONS, bowyer_watson_history
 from .panels import panel
 from .player import Player, compact, player
 
@@ -32,17 +22,12 @@ __all__ = [
     "Panel",
     "bowyer_watson",
     "cavity_argument",
-    "empty_circle",
     "new_triangle_argument",
-    "voronoi_dual",
 ]
-
-WIDE = {"description_width": "110px"}
-WIDTH = "420px"
 
 
 class Panel(ipywidgets.VBox):
-    """Controls above a player.
+    """A player, and above it controls that need a kernel, if there are any.
 
     Attributes
     ----------
@@ -62,31 +47,6 @@ class Panel(ipywidgets.VBox):
     def __repr__(self) -> str:
         names = [*self.controls, *(["preset"] if self.player.variants else [])]
         return f"Panel({', '.join(names)}: {self.player.alt})"
-
-
-def empty_circle() -> Panel:
-    """Move a fourth point D relative to the circle of A, B, C: exact sign and floating-point sign.
-
-    The preset "nasty: neighboring doubles" shows a window of 33 by 33 neighboring doubles at the circle. For
-    more than half of them, the determinant in floating-point numbers has a wrong sign. Book: 2.0.
-    """
-    first = next(iter(CIRCLES))
-    x, y = CIRCLES[first]["start"]
-    controls = {
-        "preset": presets(CIRCLES),
-        "x": slider("x of D", x, -2, 2, 0.01),
-        "y": slider("y of D", y, -2, 2, 0.01),
-    }
-    alt = "Three points A, B, C, their circle, and a fourth point D that can be moved."
-
-    def drag(values: dict[str, Any], handle: str, px: float, py: float) -> dict[str, Any]:
-        part = 1 / 8 if "origin" in CIRCLES[values["preset"]] else 1.0
-        return {"x": px * part, "y": py * part}
-
-    def start(preset: str) -> dict[str, Any]:
-        return dict(zip("xy", CIRCLES[preset]["start"]))
-
-    return live(empty_circle_state, controls, alt, drag, start)
 
 
 def cavity_argument() -> Player:
@@ -113,12 +73,6 @@ def by_edge(edge: str, p: float, turn: float) -> fr.Frame:
     return star_proof_state(p, turn, hull=edge == "on the hull")
 
 
-def voronoi_dual() -> Panel:
-    """Fade the Voronoi diagram into its dual; some presets have degenerate or misleading sites. Book: 2.1."""
-    histories = {name: [voronoi_dual_state(k / (FADES - 1), name) for k in range(FADES)] for name in SITES}
-    return chosen(histories, "Sites, their Voronoi cells, and the Delaunay triangulation.", start=FADES // 2)
-
-
 def bowyer_watson() -> Panel:
     """Step through insertions: locate, cavity, star; with ties, or not Delaunay at first. Book: 2.4a."""
     histories = {name: bowyer_watson_history(name) for name in INSERTIONS}
@@ -127,24 +81,7 @@ def bowyer_watson() -> Panel:
     )
 
 
-def presets(known: dict[str, Any]) -> Any:
-    return ipywidgets.Dropdown(options=list(known), description="preset", style=WIDE, layout={"width": WIDTH})
-
-
-def slider(description: str, value: float, low: float, high: float, step: float) -> ipywidgets.FloatSlider:
-    return ipywidgets.FloatSlider(
-        value=value,
-        min=low,
-        max=high,
-        step=step,
-        description=description,
-        style=WIDE,
-        layout={"width": WIDTH},
-        readout_format=".0f" if step == 1 else ".2f",
-    )
-
-
-def chosen(histories: dict[str, list[fr.Frame]], alt: str, start: int = 0) -> Panel:
+def chosen(histories: dict[str, list[fr.Frame]], alt: str) -> Panel:
     """A player that contains all histories; its own drop-down list selects one, without a kernel."""
     first = next(iter(histories.values()))
     picture = player(first, alt=alt)
@@ -153,47 +90,6 @@ def chosen(histories: dict[str, list[fr.Frame]], alt: str, start: int = 0) -> Pa
         for one in frames:
             fr.check_frame(one)
         view = fr.bounds(frames)
-        variants.append({"name": name, "frames": compact(frames, view), "view": view, "start": start})
+        variants.append({"name": name, "frames": compact(frames, view), "view": view})
     picture.set_trait("variants", variants)
-    picture.index = start
     return Panel({}, picture)
-
-
-def live(
-    state: Callable[..., fr.Frame],
-    controls: dict[str, Any],
-    alt: str,
-    drag: Callable[..., dict[str, Any]],
-    start: Callable[[str], dict[str, Any]] | None = None,
-) -> Panel:
-    """Controls that show a new frame from ``state`` at every change; ``drag`` converts a drag to values."""
-
-    def values() -> dict[str, Any]:
-        return {name: control.value for name, control in controls.items()}
-
-    picture = player([state(**values())], alt=alt)
-    busy = [False]  # True while several controls change together, so that only one frame is computed
-
-    def show(_: Any = None) -> None:
-        if not busy[0]:
-            picture.show([state(**values())])
-
-    def move(wanted: dict[str, Any]) -> None:
-        busy[0] = True
-        for name, value in wanted.items():
-            control = controls[name]
-            control.value = float(np.clip(value, control.min, control.max))
-        busy[0] = False
-        show()
-
-    def dragged(change: Any) -> None:
-        at = change["new"]
-        move(drag(values(), at["handle"], at["x"], at["y"]))
-
-    if start is not None:
-        controls["preset"].observe(lambda change: move(start(change["new"])), "value")
-    for name, control in controls.items():
-        if start is None or name != "preset":
-            control.observe(show, "value")
-    picture.observe(dragged, "dragged")
-    return Panel(controls, picture)
