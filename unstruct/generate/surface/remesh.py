@@ -14,18 +14,18 @@ from ...connect.surface.complex import SurfaceComplex, Taken
 from ...connect.surface.halfedges import SMOOTH
 from ...domain.domain import Domain
 from ...domain.given_surface import USUAL_SHARP, GivenSurface, directed, given_surface
-from ...geometry.edge_vectors import lengths
 from ...geometry.support_features import same_points
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
-from ...sizing.asked import MISSED_SIZE, MUCH_LONGER
+from ...sizing.asked import MISSED_SIZE
 from ...sizing.field import SizeField, as_size
 from .cleaning import Cleaned, cleaned
 from .distances import curve_deviation
 from .measuring import FLAT_TRIANGLE, INVERTED, TOO_FAR_OFF
+from .missed import missed_size
 from .near_sheets import HELPED, KEEPINGS, MOST_TIMES, creases_near, keeping
 from .needles import without_needles
-from .own_crossings import OWN_CROSSING
+from .own_crossings import CROSSES_ANOTHER, OWN_CROSSING
 from .run import ALLOWED, KEPT_TO, REMESH_ROUNDS, RemeshRun
 from .seams import divide_seams
 from .shapes import COLLAPSES, FLIPS_DONE, MOVES_DONE, SPLITS_DONE, TOO_FAR, TURNED
@@ -39,7 +39,6 @@ FAULT_REASONS = {
     FLAT_TRIANGLE: "flat",
 }
 BESIDE_SURFACE = "a vertex is beside the surface, as a triangle would turn over: give a smaller size there"
-CROSSES_ANOTHER = "crosses another triangle: give a smaller size there"
 NEAR_CREASE = "sharp: creases are too near each other for the size: give a smaller size there"
 SHARP_BETWEEN = 10.0  # degrees below which an angle between creases is told
 NO_BUDGET = "larger than the size: the budget of vertices is used up"
@@ -255,11 +254,8 @@ def _account(attempt: Attempt, clean: Cleaned, sharp: float | None) -> DomainMes
         fault = fault & ~TOO_FAR_OFF | run.farther(1.0 / KEPT_TO)
     fault = fault[taken.slots]
     crossed, own = (np.isin(taken.slots, slots) for slots in crossing)
-    sides = points[taken.triangles] - points[np.roll(taken.triangles, 1, axis=1)]
-    large = lengths(sides).max(axis=1) > MUCH_LONGER * run.size(points[taken.triangles].mean(axis=1))
-    why: dict[int, str] = {}
-    for i in np.flatnonzero(large).tolist():
-        why[i] = NO_BUDGET if run.short else MISSED_SIZE
+    large = missed_size(points, taken.triangles, run.size)
+    why = dict.fromkeys(large.tolist(), NO_BUDGET if run.short else MISSED_SIZE)
     angle = mesh.quality("min_angle")
     corners = 3 * taken.slots[:, None] + np.arange(3)
     between = (s.kind[s.vertex[corners]] != SMOOTH).all(axis=1) & ((s.curve[corners] >= 0).sum(axis=1) < 2)
