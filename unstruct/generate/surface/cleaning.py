@@ -1,4 +1,4 @@
-"""What is mended of a mesh of triangles before it is remeshed: repeated and flat triangles, and directions."""
+"""What is mended of triangles before they are remeshed: repeated and flat ones, and directions."""
 
 from __future__ import annotations
 
@@ -85,11 +85,11 @@ def _hanging(
     gone = np.zeros(len(rows), dtype=bool)
     among = np.flatnonzero(sound)
     flat = among[flat_rows(surface.points, rows[among])]
-    if len(flat) == len(among):
+    if len(flat) in (0, len(among)):
         return gone
     named = [same[values] for values in surface.markers.values() if values.ndim == 2]
     held = {tuple(sorted(row)) for values in named for row in values.tolist()}
-    used = Counter(side for row in rows[among].tolist() for side in _sides(row)) if len(flat) else {}
+    used = Counter(side for row in rows[among].tolist() for side in _sides(row))
     todo = flat.tolist()
     while todo:
         rest = []
