@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 import pytest
+import sympy
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from solids import cube, torus
@@ -20,9 +21,11 @@ from unstruct import (
     delaunay,
     examples,
     front_delaunay,
+    topology,
 )
 from unstruct.generate.space_front.classical_run import body_faces
 from unstruct.generate.space_front.given_points import given_points_in_space
+from unstruct.generate.space_front.tie_order import order_that_fits
 from unstruct.geometry.ordering import hilbert_order
 from unstruct.plain import front_delaunay_space as plain
 
@@ -50,6 +53,7 @@ def test_the_plain_front_step_by_step(points: list[tuple[int, int, int]]) -> Non
     """Same faces and apexes on a lattice full of ties; the same faces are left."""
     domain, inside, _ = hull_of(np.array(points, dtype=float))
     mesh = given_points_in_space(domain, inside, history=True)
+    assume("ties decided anew" not in mesh.counts)
     every = np.concatenate([domain.points, inside])
     body = body_faces(Domain(every, domain.facets))
     n = len(domain.points)
@@ -77,6 +81,19 @@ def test_delaunay_of_random_points(seed: int, many: int) -> None:
 
 
 @settings(max_examples=25, deadline=None)
+@given(CORNERS, st.integers(0, 2**32 - 1))
+def test_an_order_fits_to_any_convex_body(points: list[tuple[int, int, int]], seed: int) -> None:
+    """The surface of the hull is Delaunay for some order of ties; a random one is mended to fit."""
+    domain, _, _ = hull_of(np.array(points, dtype=float))
+    body, n = body_faces(domain), len(domain.points)
+    order = np.random.default_rng(seed).permutation(n)
+    fits = order_that_fits(body.points, body.faces, order)
+    corners, faces = domain.points.astype(int).tolist(), body.faces.tolist()
+    assert sorted(fits) == list(range(n)) and not wrong_diagonals(corners, faces, fits)
+    assert np.array_equal(fits, order) == (not wrong_diagonals(corners, faces, order))
+
+
+@settings(max_examples=25, deadline=None)
 @given(CORNERS, st.booleans())
 def test_any_hull_of_a_lattice(points: list[tuple[int, int, int]], drop: bool) -> None:
     """A valid mesh of all points; constrained Delaunay exactly where it says so."""
@@ -95,6 +112,39 @@ def test_a_lattice() -> None:
     mesh = given_points_in_space(Domain.box([0, 0, 0], [1, 1, 1]), x)
     assert mesh.complete and mesh.counts["stuck faces"] == 0 and mesh.counts["cospherical"] > 100
     assert check(mesh, domain=Domain.box([0, 0, 0], [1, 1, 1]), delaunay="constrained")
+
+
+def test_given_diagonals_against_the_order_of_ties() -> None:
+    """Thirteen Delaunay cells of a lattice. The order of its vertices wants another diagonal of a square."""
+    points = [[int(x) for x in p] for p in "100 122 212 211 200 222 221 210 021 011 112".split()]
+    cells = "0734 6739 0324 6798 9708 9168 a561 9a61 03a2 63a9 263a 562a 3709".split()
+    rows = np.array([[int(v, 16) for v in cell] for cell in cells])
+    domain = Domain.surface(Mesh(points, topology.boundary(rows, topology.neighbors(rows))))
+    mesh = front_delaunay(domain, np.empty((0, 3)))
+    assert mesh.complete and mesh.counts["ties decided anew"] == 1 and len(mesh.points) == 11
+    assert check(mesh, domain=domain, delaunay="constrained")
+    body = body_faces(domain)
+    order = order_that_fits(body.points, body.faces, np.arange(11))
+    assert sorted(order) == list(range(11)) and not wrong_diagonals(points, body.faces.tolist(), order)
+    assert wrong_diagonals(points, body.faces.tolist(), np.arange(11))
+
+
+def wrong_diagonals(points: list[list[int]], faces: list[list[int]], order: np.ndarray) -> list[set[int]]:
+    """Pairs of triangles in a plane, corners on a circle, of which the last vertex is on the diagonal."""
+    place, wrong = np.argsort(order), []
+    for one, two in combinations(map(set, faces), 2):
+        four = sorted(one | two)
+        if len(four) == 4 and is_on_circle([points[v] for v in four]):
+            last = max(four, key=lambda v: place[v])
+            wrong += [one | two] if last in one & two else []
+    return wrong
+
+
+def is_on_circle(four: list[list[int]]) -> bool:
+    """Whether lattice points are in a plane and on a circle: both ranks are told by a table of integers."""
+    rows = sympy.Matrix([[*p, 1] for p in four])
+    lifted = sympy.Matrix([[*p, 1, sum(x * x for x in p)] for p in four])
+    return rows.rank() == 3 and lifted.rank() == 3
 
 
 @pytest.mark.parametrize("body", [torus(7, 5), cube(3, 1)])

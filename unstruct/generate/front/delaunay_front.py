@@ -109,12 +109,15 @@ def front_delaunay(
 
     *In space* faces take the place of edges, and spheres that of circles; a vertex is visible if the solid
     tetrahedron meets the front in its own faces, edges and corners only. If a constrained Delaunay
-    tetrahedralization exists, the result is one. It need not exist: ``counts`` has the faces inside that are
-    "not Delaunay", and the "stuck faces", which have no apex; what they enclose is "filled" by recovery.
-    These cells are in ``unrefined``. "cospherical" stands for "cocircular", and "face" for "edge". Ties are
-    decided alike for all faces (`unstruct.generate.space_front.empty_sphere`). Sources: the source chapter,
-    12.3.4; D. Lee, A. Lin, Discrete & Computational Geometry 1 (1986) 201-217, for
-    visibility. Book: 3.4, 3.5.
+    tetrahedralization exists and no five vertices are on a sphere, the result is one. It need not exist:
+    ``counts`` has the faces inside that are "not Delaunay", and the "stuck faces", which have no apex; what
+    they enclose is "filled" by recovery. These cells are in ``unrefined``. "cospherical" stands for
+    "cocircular", and "face" for "edge". Ties are decided alike for all faces, as if points were a little
+    elsewhere (`unstruct.generate.space_front.empty_sphere`): by the order of vertices, and if that fails, by
+    one that fits to the given diagonals ("ties decided anew"). On lattices there may be a constrained
+    Delaunay tetrahedralization for other decisions only; then it may be missed, and cells are in
+    ``unrefined``. Sources: the source chapter, 12.3.4; D. Lee, A. Lin, Discrete & Computational Geometry 1
+    (1986) 201-217, for visibility. Book: 3.4, 3.5.
     """
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     as_flags(history=history, finish=finish, progress=progress)

@@ -11,7 +11,8 @@ before e if it is inside the sphere of abce. The apex is the first visible one.
 together. They are ordered as if the height |x|^2 to which each vertex x is lifted were a little larger, much
 less for each vertex than for the next one. Nothing is lifted: the sign is that of the vertex with the largest
 number whose barycentric coordinate in the equation is not 0 (`given_points` numbers those of the body first,
-then the points along a Hilbert curve, so that neighbors are near in memory). O. Devillers, M. Teillaud,
+then the points along a Hilbert curve, so that neighbors are near in memory). Given triangles may have decided
+otherwise: then the numbers are changed (`tie_order`). O. Devillers, M. Teillaud,
 Perturbations for Delaunay and weighted Delaunay 3D triangulations, Computational Geometry 44 (2011) 160-168.
 
 **When the result is constrained Delaunay.** *Theorem.* If what is not meshed has a constrained Delaunay

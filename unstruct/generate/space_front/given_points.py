@@ -29,6 +29,7 @@ from .classical_open import SpaceFront, larger_space_front
 from .classical_rest import completed
 from .classical_run import BodyFaces, SpaceRun, body_faces, scaled_front
 from .classical_steps import NO_CELL
+from .tie_order import order_that_fits
 
 __all__ = ["given_points_in_space"]
 
@@ -77,9 +78,12 @@ def given_points_in_space(
     Notes
     -----
     See `empty_sphere` for the rule, its ties, and the theorem: if a constrained Delaunay tetrahedralization
-    exists, this is one. It need not exist in space; then faces may be left without an apex, or cells not be
-    Delaunay, and that is counted. No other triangulation is used, except for a rest. Expected O(n log n) for
-    even points. All signs are exact. Source: the source chapter, 12.3.4. Book: 3.5.
+    exists and no five vertices are on a sphere, this is one. With ties it is one if there is one for the
+    heights by which ties are decided: those of the order of the vertices, and if it fails, those of an order
+    that fits to the diagonals of given triangles (`tie_order`; then ``counts`` has "ties decided anew").
+    There may be one for other decisions only, or none; then faces may be left without an apex, or cells not
+    be Delaunay, and that is counted. No other triangulation is used, except for a rest. Expected O(n log n)
+    for even points. All signs are exact. Source: the source chapter, 12.3.4. Book: 3.5.
     """
     as_flags(history=history, progress=progress)
     seed = as_seed(seed)
@@ -93,18 +97,39 @@ def given_points_in_space(
     body = body_faces(whole)
     n = len(domain.points)
     order = np.append(np.arange(n), n + hilbert_order(rows))
-    front, _ = scaled_front(_along_curve(body, order))
+    loose = np.arange(len(domain.points), len(whole.points))
+    outside = frozen(np.flatnonzero(~np.isin(loose, body.needed)).astype(np.int32))
     with progress_bar(progress, " tetrahedra") as bar:
-        front, ties, counts = _wrapped(front, bar)
+        mesh = _by_order(whole, domain, order, (seed, history, progress), bar)
+        if mesh.counts["cospherical"] and not _is_delaunay(mesh):
+            fits = order_that_fits(body.points, body.faces, order)
+            if not np.array_equal(fits, order):
+                again = _by_order(whole, domain, fits, (seed, history, progress), bar)
+                if _is_delaunay(again):
+                    mesh = again
+                    mesh.counts = {**mesh.counts, "ties decided anew": 1}
+    mesh.counts, mesh.left_out = {**mesh.counts, "outside": len(outside)}, outside
+    return mesh
+
+
+def _is_delaunay(mesh: DomainMesh) -> bool:
+    return mesh.counts["stuck faces"] == 0 and mesh.counts["not Delaunay"] == 0
+
+
+def _by_order(
+    whole: Domain, domain: Domain, order: NDArray[np.int64], asked: tuple[int, bool, bool], bar: Any
+) -> DomainMesh:
+    """The mesh with ties decided by this order of the vertices; ``asked`` is seed, history and progress."""
+    seed, history, progress = asked
+    body = body_faces(whole)
+    front, _ = scaled_front(_along_curve(body, order))
+    front, ties, counts = _wrapped(front, bar)
     run = _as_run(front, counts, body, order)
     found = completed(body, run, seed=seed)
-    loose = np.arange(len(domain.points), len(whole.points))
     counts = run.counts | found.counts
-    outside = frozen(np.flatnonzero(~np.isin(loose, body.needed)).astype(np.int32))
-    counts["outside"] = len(outside)
     if not found.whole:
         mesh = filled(whole, seed=seed, progress=progress)
-        mesh.counts, mesh.left_out = {**mesh.counts, **counts}, outside
+        mesh.counts = {**mesh.counts, **counts}
         return mesh
     steps = None
     if history and counts["taken back"] == 0:
@@ -112,7 +137,7 @@ def given_points_in_space(
     missing = {"missing segments": 0, "missing triangles": 0}
     account: dict[str, Any] = {"counts": counts | missing, "steps": steps}
     mesh = mesh_of_body(domain, None, found.points, found.cells, **account)
-    mesh.figures, mesh.left_out = quality_in_space(mesh), outside
+    mesh.figures = quality_in_space(mesh)
     return _judged(mesh, found.by_front)
 
 
