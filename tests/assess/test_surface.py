@@ -302,6 +302,26 @@ def test_sheets_glued_and_components() -> None:
     assert kinds(Mesh(x, more), TWO_BALLS, deviation=0.2) == {"component"}
 
 
+@pytest.mark.parametrize("gap", [0.1, 0.001, 1e-9])
+def test_sheets_nearer_than_the_mesh_deviates(gap: float) -> None:
+    """Two nested spheres. Middles of cells may be nearer to the other one; vertices lie on their own one."""
+    rows = [[i, j, k][:: -1 if (i + j + k) % 2 else 1] for i in (0, 3) for j in (1, 4) for k in (2, 5)]
+    octahedron = Mesh(np.concatenate([np.eye(3), -np.eye(3)]), rows)
+
+    def nested(n: int, sheets: tuple[float, float] = (1.0, 1.0 - gap)) -> Mesh:
+        ball = divided(octahedron, n)
+        x = ball.points / np.sqrt((ball.points**2).sum(axis=1))[:, None]
+        both = [ball.simplices, ball.simplices + len(x)]
+        return Mesh(np.concatenate([r * x for r in sheets]), np.concatenate(both))
+
+    surface, mesh = nested(8), nested(4)
+    assert check(mesh, domain=surface, sharp=180)
+    for rows in (mesh.simplices[: mesh.size // 2], mesh.simplices[mesh.size // 2 :]):
+        assert kinds(Mesh(mesh.points, rows), surface, sharp=180) >= {"component"}
+    for r in (1.0, 1.0 - gap):
+        assert kinds(nested(4, (r, r)), surface, sharp=180) == {"equal vertices"}
+
+
 def test_sheets_that_branch() -> None:
     """Three sheets at a line: one of them missing, or one turned, or a fourth, are told at the line."""
     mesh = divided(THREE_SHEETS, 2)

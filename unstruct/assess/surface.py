@@ -81,7 +81,7 @@ def check_surface(
     text = "cells that face against the surface: folded, or turned inside out"
     report.note("cells face as the surface does", problem("turned", text, cells=np.flatnonzero(turned)))
     triangle = np.where(turned, places.nearest, places.triangle)
-    _components(mesh, support, triangle, report)
+    _components(mesh, support, triangle, deviation is not None, report)
     names_held(mesh, given, triangle, curves, report)
 
 
@@ -241,20 +241,47 @@ def _characters(rows: NDArray[np.int64], label: NDArray[np.int64]) -> NDArray[np
     )
 
 
-def _components(mesh: Mesh, support: Support, triangle: NDArray[np.int64], report: Report) -> None:
-    """Test that each component of the surface is one of the mesh, with the same Euler characteristic."""
+def _components(mesh: Mesh, support: Support, triangle: NDArray[np.int64], off: bool, report: Report) -> None:
+    """Test that each component of the surface is one of the mesh, with the same Euler characteristic.
+
+    A component of the mesh belongs to that of the surface on which most of its vertices lie: where sheets are
+    nearer than the mesh deviates, middles of cells may be nearer to another one. Only if components of the
+    surface have vertices in common, or vertices of the mesh may be off it, may cells decide instead.
+    """
     rows, own = np.asarray(mesh.simplices, dtype=np.int64), support.held.rows
     whole = np.flatnonzero((own != own[:, [1, 2, 0]]).all(axis=1))
     part = np.full(len(own), -1)
     part[whole] = _labels(own[whole])
     label = _labels(rows)
+    characters = _characters(rows, label), _characters(own[whole], part[whole])
+    used = np.unique(np.repeat(label, 3) * len(mesh.points) + rows.ravel())
+    nearest = support.nearest(mesh.points[used % len(mesh.points)])[0]
+    wrong = _unmatched(part, _most(used // len(mesh.points), part[nearest]), label, characters)
+    corners = np.unique(np.stack([own[whole].ravel(), np.repeat(part[whole], 3)]), axis=1)[0]
+    if wrong and (off or len(np.unique(corners)) < len(corners)):
+        wrong = _unmatched(part, _most(label, part[triangle]), label, characters)
+    many = len(characters[1])
+    shown = ", ".join(map(str, characters[1][:8].tolist())) + (", ..." if many > 8 else "")
+    report.note(f"components of the surface, each once, with its Euler characteristic: {shown}", *wrong)
+
+
+def _most(label: NDArray[np.int64], part: NDArray[np.int64]) -> NDArray[np.int64]:
+    """The most frequent part of each label."""
     base = int(part.max()) + 2
-    pairs, times = np.unique(label * base + part[triangle] + 1, return_counts=True)
+    pairs, times = np.unique(label * base + part + 1, return_counts=True)
     pairs = pairs[np.lexsort((times, pairs // base))]
     last = np.append(pairs[1:] // base != pairs[:-1] // base, True)
-    home = pairs[last] % base - 1  # where most cells of each component lie
-    count = np.bincount(home[home >= 0], minlength=base - 1)
-    characters = _characters(rows, label), _characters(own[whole], part[whole])
+    return pairs[last] % base - 1
+
+
+def _unmatched(
+    part: NDArray[np.int64],
+    home: NDArray[np.int64],
+    label: NDArray[np.int64],
+    characters: tuple[NDArray[np.int64], NDArray[np.int64]],
+) -> list[Problem]:
+    """What is wrong if each component of the mesh, as cells are labelled, belongs to its home."""
+    count = np.bincount(home[home >= 0], minlength=len(characters[1]))
     wrong: list[Problem | None] = []
     for lost in np.flatnonzero(count == 0)[:8].tolist():
         t = int(np.flatnonzero(part == lost)[0])
@@ -264,5 +291,4 @@ def _components(mesh: Mesh, support: Support, triangle: NDArray[np.int64], repor
     for i in np.flatnonzero((count[home] == 1) & (characters[0] != characters[1][home]))[:8].tolist():
         text = f"{characters[0][i]}, but that of the surface is {characters[1][home[i]]}"
         wrong.append(problem("Euler characteristic", text, cells=np.flatnonzero(label == i)[:1]))
-    shown = ", ".join(map(str, characters[1][:8].tolist())) + (", ..." if len(count) > 8 else "")
-    report.note(f"components of the surface, each once, with its Euler characteristic: {shown}", *wrong)
+    return [one for one in wrong if one is not None]
