@@ -160,7 +160,9 @@ TETRAHEDRON = ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 
 def test_a_flat_triangle_that_hangs_on_an_edge_goes(make: Any) -> None:
     points, rows = TETRAHEDRON
     more = [*points, (0.5, 0, 0), (0.25, 0, 0)]
-    mesh = make(Mesh(more, [*rows, (0, 1, 4), (0, 4, 5)]), 0.3)
+    given = Mesh(more, [*rows, (0, 1, 4), (0, 4, 5)])
+    mesh = make(given, 0.3)
+    assert check(mesh, domain=given)
     assert mesh.complete and mesh.counts["degenerate triangles"] == 2
     assert np.array_equal(mesh.simplices, make(Mesh(more, rows), 0.3).simplices)
 

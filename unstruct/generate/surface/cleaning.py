@@ -38,7 +38,7 @@ class Cleaned(NamedTuple):
     regions: Mapping[str, int]
 
 
-def cleaned(surface: Any) -> Cleaned:
+def cleaned(surface: Any, *, flat: bool = False) -> Cleaned:
     """The surface; of a mesh each triangle once, and all parts turned alike where that is possible.
 
     A part, which hangs together over edges of two triangles, is turned as its first triangle. A part with one
@@ -52,7 +52,7 @@ def cleaned(surface: Any) -> Cleaned:
     kept = np.zeros(len(rows), dtype=bool)
     kept[np.unique(np.sort(rows, axis=1), axis=0, return_index=True)[1]] = True
     repeated = whole & ~kept
-    hanging = _hanging(surface, same, rows, whole & kept)
+    hanging = _hanging(surface, same, rows, whole & kept) if flat else np.zeros(len(rows), dtype=bool)
     gone = repeated | hanging
     triangles = np.array(surface.simplices)[~gone]
     turned = np.zeros(len(triangles), dtype=bool)

@@ -110,7 +110,7 @@ def surface_front(
     field, budget, improve = as_size(size), as_count(budget, "budget"), as_flag(improve, "improve")
     if not 0.0 < finite(sharp, "sharp") <= 180.0:
         raise InputError(f"sharp must be an angle up to 180 degrees, not {sharp!r}")
-    clean = cleaned(surface)
+    clean = cleaned(surface, flat=True)
     given = directed(given_surface(clean.surface, sharp if sharp < 180.0 else None))
     support = given.support
     why, counts = "", {}

@@ -45,15 +45,16 @@ def sharp_triangles(
     ----------
     curved : (t, 3) bool
         Whether the side opposite each corner is on a crease.
-    on_creases : (t,) bool
-        Whether all corners are.
+    on_creases : (t, 3) bool
+        Whether each corner is.
     """
     sides = lengths(corners[:, [1, 2, 0]] - corners[:, [2, 0, 1]])
     shortest = sides.argmin(axis=1)
     many, rows = curved.sum(axis=1), np.arange(len(sides))
     given = (many == 3) | ((many == 2) & ~curved[rows, shortest])
     short = sides[rows, shortest] < MUCH_SHORTER * size(corners.mean(axis=1))
-    return on_creases & ~given, short & ~given
+    ends = on_creases[rows, (shortest + 1) % 3] & on_creases[rows, (shortest + 2) % 3]
+    return (on_creases.all(axis=1) | (short & ends)) & ~given, short & ~given
 
 
 def farther_from(support: Support, taken: Taken, most: np.ndarray) -> NDArray[np.int64]:

@@ -40,7 +40,7 @@ FAULT_REASONS = {
 }
 BESIDE_SURFACE = "a vertex is beside the surface, as a triangle would turn over: give a smaller size there"
 NEAR_CREASE = "sharp: creases are too near each other for the size: give a smaller size there"
-TOO_THIN = (
+NEAR_VERTICES = (
     "sharp: vertices much nearer each other than the size could not be merged: give a smaller size there"
 )
 SHARP_BETWEEN = 10.0  # degrees below which an angle between creases is told
@@ -133,7 +133,7 @@ def remesh(
         raise InputError(f"onto must be a function of points (k, 3), not {onto!r:.60}")
     most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
     progress = as_flag(progress, "progress")
-    clean = cleaned(surface)
+    clean = cleaned(surface, flat=True)
     if onto is not None:
         clean = clean._replace(surface=_true(clean.surface, onto, field, within, most))
     given = directed(given_surface(clean.surface, sharp))
@@ -261,9 +261,9 @@ def _account(attempt: Attempt, clean: Cleaned, sharp: float | None) -> DomainMes
     why = dict.fromkeys(large.tolist(), NO_BUDGET if run.short else MISSED_SIZE)
     angle = mesh.quality("min_angle")
     corners = 3 * taken.slots[:, None] + np.arange(3)
-    on_creases = (s.kind[s.vertex[corners]] != SMOOTH).all(axis=1)
+    on_creases = s.kind[s.vertex[corners]] != SMOOTH
     creased, thin = sharp_triangles(points[taken.triangles], s.curve[corners] >= 0, on_creases, run.size)
-    why |= dict.fromkeys(np.flatnonzero(thin & (angle < SHARP_BETWEEN)).tolist(), TOO_THIN)
+    why |= dict.fromkeys(np.flatnonzero(thin & (angle < SHARP_BETWEEN)).tolist(), NEAR_VERTICES)
     why |= dict.fromkeys(np.flatnonzero(creased & (angle < SHARP_BETWEEN)).tolist(), NEAR_CREASE)
     for kind, text in FAULT_REASONS.items():
         why |= dict.fromkeys(np.flatnonzero(fault & kind).tolist(), text)

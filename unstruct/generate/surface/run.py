@@ -181,11 +181,10 @@ class RemeshRun:
 
     def thin(self) -> None:
         """No vertices that need not be within strips far thinner than the size."""
-        found = 0
-        while change := self.sweep(thin_pass, 3 * self.slots):
-            found += change
+        before = self.counts[COLLAPSES]
+        while self.sweep(thin_pass, 3 * self.slots):
             self.flip(False)
-        if found:
+        if self.counts[COLLAPSES] > before:
             self.round()
             self.finish()
 
@@ -249,7 +248,7 @@ class RemeshRun:
         self.refresh()
 
     def near(self, places: Array) -> NDArray[np.bool_]:
-        """The slots of triangles near some points, in units of the size there."""
+        """The slots of triangles near some points, in sizes."""
         s = self.complex.sheets
         rows = s.vertex[: 3 * self.slots].reshape(-1, 3)
         middle = s.xyz[np.maximum(rows, 0)].mean(axis=1)
@@ -281,11 +280,8 @@ class RemeshRun:
         if self.deviation is None:
             return fault
         taken = self.complex.taken()
-        most = (
-            share
-            * s.allowed[s.vertex[3 * taken.slots[:, None] + np.arange(3)]].max(axis=1)
-            / self.support.factor
-        )
+        corners = s.vertex[3 * taken.slots[:, None] + np.arange(3)]
+        most = share * s.allowed[corners].max(axis=1) / self.support.factor
         fault[farther_from(self.support, taken, most)] = TOO_FAR_OFF
         return fault
 
