@@ -163,8 +163,20 @@ def test_long_and_short_vectors(scale: float) -> None:
     x, v = np.zeros((2, 3)), np.array([[1.0, 2.0, 2.0], [0.0, 0.0, 0.0]])
     metric = sizing.directional_space(np.eye(3), [0.5, 0.2, 0.1])
     np.testing.assert_allclose(metric.length(x, v * scale), metric.length(x, v) * scale, rtol=1e-14)
-    np.testing.assert_allclose(metric.along(x, v * scale), metric.along(x, v), rtol=1e-14)
-    assert metric.along(x, v)[1] == 0.5 and metric.length(x, v)[1] == 0.0
+    one = v[:1]
+    np.testing.assert_allclose(metric.along(x[:1], one * scale), metric.along(x[:1], one), rtol=1e-14)
+    assert metric.length(x, v)[1] == 0.0
+
+
+@pytest.mark.parametrize("wrong", (0.0, np.nan, np.inf))
+def test_no_length_is_wanted_in_no_direction(wrong: float) -> None:
+    space = sizing.directional_space(np.eye(3), [1, 0.5, 0.1])
+    with pytest.raises(InputError, match=r"direction\[1\] = .* finite, and not zero"):
+        space.along(np.zeros((2, 3)), [[1, 0, 0], [0, 0, wrong]])
+    assert wanted_along(space, np.zeros((1, 3)), np.zeros((1, 3))) == 1.0
+    plane = sizing.Metric(lambda x: np.tile(np.eye(2), (len(x), 1, 1)))
+    with pytest.raises(InputError, match=r"direction\[1\] = .* finite, and not zero"):
+        plane.along(np.zeros((2, 2)), [[1, 0], [0, wrong]])
 
 
 @pytest.mark.filterwarnings("error")

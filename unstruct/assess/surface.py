@@ -87,12 +87,14 @@ def check_surface(
 
 def _mended(mesh: Mesh, surface: object, report: Report) -> object:
     """For a mesh that is turned coherently, a given surface without what is repeated or turned otherwise."""
-    clean = cleaned(surface)
+    clean, rows = cleaned(surface, flat=True), np.asarray(mesh.simplices, dtype=np.int64)
     again = clean.counts.get("repeated triangles", 0), clean.counts.get("turned triangles", 0)
-    rows = np.asarray(mesh.simplices, dtype=np.int64)
-    if not any(again) or broken_edges(rows, np.zeros(len(rows), dtype=np.int64), 1)[0]:
+    hanging = clean.surface.size + again[0] < surface.size if isinstance(surface, Mesh) else False
+    if not (any(again) or hanging) or broken_edges(rows, np.zeros(len(rows), dtype=np.int64), 1)[0]:
         return surface
     report.note(f"the surface repeats {again[0]} triangles, which count once, and {again[1]} were turned")
+    if hanging:
+        report.note("flat triangles hang on single edges of the surface, and do not count")
     return clean.surface
 
 
@@ -146,7 +148,8 @@ def _sheets(mesh: Mesh, support: Support, curves: Curves, report: Report) -> Non
     fans = fans_at(np.asarray(mesh.simplices, dtype=np.int64), len(mesh.points))
     wanted = np.minimum(fans, 1)
     known = np.flatnonzero(curves.origin >= 0)
-    wanted[known] = fans_at(support.held.rows, len(support.points))[curves.origin[known]]
+    own = fans_at(support.held.rows, len(support.points))[curves.origin[known]]
+    wanted[known] = np.where(own > 0, own, wanted[known])  # given points without triangles are no vertices
     wrong = np.flatnonzero((fans != wanted) & (fans > 0))
     text = "the triangles there form more or fewer fans than on the surface"
     report.note(

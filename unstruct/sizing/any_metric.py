@@ -12,13 +12,26 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..base.arrays import as_points
+from ..base.arrays import as_numbers, as_points
 from ..base.errors import InputError
 from .field import ASKED_AT_ONCE, first_to_raise
 
-__all__ = ["AnyMetric", "asked", "frozen", "landmarks_of"]
+__all__ = ["AnyMetric", "asked", "directions_of", "frozen", "landmarks_of"]
 
 Array = NDArray[np.float64]
+
+
+def directions_of(direction: ArrayLike, dimension: int) -> tuple[Array, Array]:
+    """Finite directions (k, d) that are not zero, and their largest entries (k,); an error for others."""
+    v = as_numbers(direction, "direction")
+    if v.ndim != 2 or v.shape[1] != dimension:
+        raise InputError(f"direction must have shape (k, {dimension}), not {v.shape}")
+    size = np.abs(v).max(axis=1, initial=0.0)
+    wrong = np.flatnonzero(~((size > 0) & np.isfinite(size)))
+    if len(wrong):
+        k = int(wrong[0])
+        raise InputError(f"direction[{k}] = {v[k].tolist()} must be finite, and not zero")
+    return v, size
 
 
 class AnyMetric(ABC):

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import as_numbers
 from ..base.errors import InputError
-from .any_metric import AnyMetric, asked
+from .any_metric import AnyMetric, asked, directions_of
 from .metric_table import MetricTable, build_metric, inverted, spectrum
 
 __all__ = ["LEAST_WANTED", "MOST_STRETCH", "InverseMetric", "Metric", "symmetric_rows"]
@@ -93,10 +93,15 @@ class Metric(AnyMetric):
         return np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
     def along(self, x: ArrayLike, direction: ArrayLike) -> Array:
-        """The wanted length in a direction: (k, 2), (k, 2) -> (k,); the length of a direction is ignored."""
-        v = as_numbers(direction, "direction")
-        size = np.abs(v).max(axis=1, initial=0.0)
-        v = np.where(size[:, None] > 0, v, [1.0, 0.0]) / np.where(size > 0, size, 1.0)[:, None]
+        """The wanted length in a direction: (k, 2), (k, 2) -> (k,); the length of a direction is ignored.
+
+        Raises
+        ------
+        InputError
+            For a direction of no length, or one that is not finite.
+        """
+        v, size = directions_of(direction, 2)
+        v = v / size[:, None]
         return np.hypot(*v.T) / self._length(x, v)
 
     def length(self, x: ArrayLike, vectors: ArrayLike) -> Array:

@@ -18,8 +18,15 @@ Array = NDArray[np.float64]
 
 
 def wanted_along(wanted: SizeField | SpaceMetric, x: Array, direction: Array) -> Array:
-    """The wanted lengths at points in directions, (k, 3), (k, 3) -> (k,); a size has them in all alike."""
-    return wanted.along(x, direction) if isinstance(wanted, SpaceMetric) else wanted(x)
+    """The wanted lengths at points in directions, (k, 3), (k, 3) -> (k,); a size has them in all alike.
+
+    Sides without length, as at the pole of a ball, have any direction.
+    """
+    if not isinstance(wanted, SpaceMetric):
+        return wanted(x)
+    return wanted.along(
+        x, np.where((direction == 0.0).all(axis=1, keepdims=True), [1.0, 0.0, 0.0], direction)
+    )
 
 
 def wanted_triangles(wanted: SizeField | SpaceMetric, corners: Array, factor: float) -> Array:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import as_numbers
 from ..base.errors import InputError
-from .any_metric import AnyMetric, asked, frozen, landmarks_of
+from .any_metric import AnyMetric, asked, directions_of, frozen, landmarks_of
 from .field import SizeField, as_size
 from .space_metric_table import SpaceMetricNodes, cholesky_rows, space_metric_nodes
 from .space_spectrum import ENTRY_OF_MATRIX, IN_ROW, intersect_in_space, inverted_in_space, spectrum_in_space
@@ -100,10 +100,14 @@ class SpaceMetric(AnyMetric):
             return np.ldexp(np.sqrt(one * one + two * two + three * three), exponent)
 
     def along(self, x: ArrayLike, direction: ArrayLike) -> Array:
-        """The wanted length in a direction: (k, 3), (k, 3) -> (k,); the length of a direction is ignored."""
-        v = as_numbers(direction, "direction")
-        size = np.abs(v).max(axis=1, initial=0.0)
-        v = np.where(size[:, None] > 0, v, [1.0, 0.0, 0.0])
+        """The wanted length in a direction: (k, 3), (k, 3) -> (k,); the length of a direction is ignored.
+
+        Raises
+        ------
+        InputError
+            For a direction of no length, or one that is not finite.
+        """
+        v, size = directions_of(direction, 3)
         v = np.ldexp(v, -np.frexp(size)[1][:, None])  # squares of long and short vectors may be no doubles
         return np.sqrt(np.square(v).sum(axis=1)) / self.length(x, v)
 

@@ -120,6 +120,8 @@ from .scenes.room_states import ROOM_WALLS as ROOM_WALLS
 from .scenes.room_states import ROOM_X as ROOM_X
 from .scenes.room_states import ROOM_Y as ROOM_Y
 from .scenes.room_states import room_state as room_state
+from .scenes.sharp_corners import SHARP_WINDOW as SHARP_WINDOW
+from .scenes.sharp_corners import sharp_corner_state as sharp_corner_state
 from .scenes.slope_states import SLOPE_FEET as SLOPE_FEET
 from .scenes.slope_states import SLOPE_HEIGHTS as SLOPE_HEIGHTS
 from .scenes.slope_states import slope_bounds as slope_bounds

@@ -253,6 +253,12 @@ def test_errors():
         found.replayed([boundary])
     with pytest.raises(InputError, match="weights"):
         found.insert(0, [1, 0, 0])
+    with pytest.raises(InputError, match="weights differ too much"):
+        found.insert(0, [1, 1, 5e-324])
+    large, equal = (IntrinsicTriangulation(cylinder(3, 1)) for _ in range(2))
+    large.insert(0, [1.7e308] * 3)
+    equal.insert(0, [1] * 3)
+    assert large.areas == pytest.approx(equal.areas)
     with pytest.raises(InputError, match="not 99"):
         found.insert(99, [1, 1, 1])
     with pytest.raises(InputError, match="part"):

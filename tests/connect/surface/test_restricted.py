@@ -127,6 +127,8 @@ def test_errors():
         restricted_delaunay(x[:, :2], ball)
     with pytest.raises(InputError, match="surface must be"):
         restricted_delaunay(x, 3)
+    with pytest.raises(InputError, match="function surface returned nan at"):
+        restricted_delaunay(icosphere(1).points, lambda x: np.full(len(x), np.nan))
     with pytest.raises(InputError, match="one number for each"):
         restricted_delaunay(x, lambda p: p)
     with pytest.raises(InputError, match="function surface raised ZeroDivisionError"):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import unstruct
-from unstruct import Mesh, remesh
+from unstruct import Mesh, check, remesh
 from unstruct.errors import IncompleteWarning, InputError
 from unstruct.generate.surface import front_march
 from unstruct.generate.surface.front import surface_front
@@ -151,3 +151,60 @@ def test_a_size_that_jumps_is_put_into_a_table_once(monkeypatch: pytest.MonkeyPa
     surface = Mesh(np.column_stack([x.ravel(), y.ravel(), z.ravel()]), rows)
     mesh = surface_front(surface, lambda x: np.where(x[:, 0] < 0.5, 0.3, 0.015))
     assert len(made) == 1 and unstruct.check(mesh, domain=surface)
+
+
+TETRAHEDRON = ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)])
+
+
+@pytest.mark.parametrize("make", [surface_front, remesh])
+def test_a_flat_triangle_that_hangs_on_an_edge_goes(make: Any) -> None:
+    points, rows = TETRAHEDRON
+    more = [*points, (0.5, 0, 0), (0.25, 0, 0)]
+    given = Mesh(more, [*rows, (0, 1, 4), (0, 4, 5)])
+    mesh = make(given, 0.3)
+    assert check(mesh, domain=given)
+    assert mesh.complete and mesh.counts["degenerate triangles"] == 2
+    assert np.array_equal(mesh.simplices, make(Mesh(more, rows), 0.3).simplices)
+
+
+@pytest.mark.parametrize("make", [surface_front, remesh])
+def test_a_flat_triangle_with_a_name_or_between_others_stays(make: Any) -> None:
+    points, rows = TETRAHEDRON
+    more = [*points, (0.5, 0, 0)]
+    named = make(Mesh(more, [*rows, (0, 1, 4)], markers={"edge": [(0, 4)]}), 0.3)
+    between = make(Mesh(more, [(0, 2, 4), (4, 2, 1), (0, 4, 1), *rows[1:]]), 0.3)
+    for mesh in (named, between):
+        assert mesh.counts["degenerate triangles"] == 0
+    assert check(between) and "edge" in named.markers
+
+
+def test_a_front_has_no_direction_on_a_closed_part_without_area() -> None:
+    points, rows = TETRAHEDRON
+    line = [(5.0 + x, 0, 0) for x in (0, 1, 2, 3)]
+    surface = Mesh([*points, *line], [*rows, *(tuple(4 + v for v in row) for row in rows)])
+    mesh = surface_front(surface, 0.3)
+    assert len(mesh.unrefined) == mesh.size == 4 and check(mesh)
+
+
+@pytest.mark.parametrize("rows", [2, 8])
+def test_the_thin_side_of_a_plate_keeps_no_needles_but_those_it_must(rows: int) -> None:
+    """Rows of vertices were left in a side that is far thinner than the size, and nothing was said."""
+    k = np.arange(16 * rows)
+    i, j = k % 16, k // 16
+    a, b = i + 16 * j, (i + 1) % 16 + 16 * j
+    sides = np.concatenate([np.stack([a, b, b + 16], 1), np.stack([a, b + 16, a + 16], 1)])
+    ring = [(t, 0) for t in range(4)] + [(4, t) for t in range(4)]
+    ring += [(4 - t, 4) for t in range(4)] + [(0, 4 - t) for t in range(4)]
+    points = [(x / 4, y / 4, 1e-4 * z / rows) for z in range(rows + 1) for x, y in ring]
+    bottom, top = len(points), len(points) + 1
+    points += [(0.5, 0.5, 0.0), (0.5, 0.5, 1e-4)]
+    caps = [(int((t + 1) % 16), t, bottom) for t in range(16)]
+    caps += [(t + 16 * rows, (t + 1) % 16 + 16 * rows, top) for t in range(16)]
+    given = Mesh(points, np.concatenate([sides, caps]))
+    mesh = remesh(given, 0.2)
+    assert check(mesh, domain=given)
+    z = mesh.points[:, 2]
+    assert np.isin(z, (0.0, 1e-4)).all()
+    upright = np.ptp(z[mesh.simplices], axis=1) > 0
+    assert np.array_equal(np.flatnonzero(upright), mesh.unrefined)
+    assert all(reason.startswith("sharp: creases") for reason in mesh.reasons)

@@ -11,14 +11,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from interrupts import interrupt
 
-from unstruct import Domain, IncompleteWarning, Mesh, check, examples
+from unstruct import Domain, IncompleteWarning, Mesh, check, examples, remesh
 from unstruct.domain.given_surface import given_surface
 from unstruct.errors import InputError
 from unstruct.generate.surface.front import surface_front
 from unstruct.generate.surface.front_near import _crosses
 from unstruct.generate.surface.front_sizes import caps_of, parts_of
 from unstruct.generate.surface.front_start import cut_curves, sides_of_curves
+from unstruct.generate.surface.own_crossings import OWN_CROSSING
 from unstruct.mesh.domain_mesh import DomainMesh
+from unstruct.sizing.asked import MISSED_SIZE
 from unstruct.sizing.field import as_size
 
 THREE_SHEETS = Mesh(
@@ -236,3 +238,33 @@ def test_wrong_arguments() -> None:
 def test_an_interrupt_is_heard_within_the_march(monkeypatch: pytest.MonkeyPatch) -> None:
     work = lambda: surface_front(Domain.ball(size=0.1), 0.02, improve=False, progress=True)  # noqa: E731
     assert max(interrupt(monkeypatch, work, "triangles")) <= 20_000
+
+
+def test_a_front_lists_what_misses_the_size() -> None:
+    def size(x: np.ndarray) -> np.ndarray:
+        return np.where(np.linalg.norm(x - [0.5, 0.5, 1.0], axis=1) < 0.2, 0.04, 0.2)
+
+    mesh = surface_front(Domain.box((0, 0, 0), (1, 1, 1)), size)
+    corners = mesh.points[mesh.simplices]
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+    large = sides.max(axis=1) > 2.5 * size(corners.mean(axis=1))
+    assert large.any() and np.isin(np.flatnonzero(large), mesh.unrefined).all()
+    at_corner = size(corners.reshape(-1, 3)).reshape(-1, 3).min(axis=1)
+    large |= sides.min(axis=1) > 2.5 * at_corner
+    assert np.array_equal(np.flatnonzero(large), mesh.unrefined)
+    assert set(mesh.reasons) == {MISSED_SIZE}
+
+
+def test_a_front_tells_where_the_given_surface_crosses_itself() -> None:
+    i, j = (a.ravel() for a in np.meshgrid(range(4), range(4), indexing="ij"))
+    u, v = (a.ravel() / 4 for a in np.meshgrid(range(5), range(5), indexing="ij"))
+    rows = np.concatenate([np.stack([5 * i + j, 5 * i + j + 5, 5 * i + j + 6], 1),
+                           np.stack([5 * i + j, 5 * i + j + 6, 5 * i + j + 1], 1)])  # fmt: skip
+    flat, upright = np.stack([u, v, 0 * u], 1), np.stack([0.9 * u + 0.037, 0 * u + 0.513, v - 0.5], 1)
+    given = Mesh(np.concatenate([flat, upright]), np.concatenate([rows, rows + 25]))
+    mesh = surface_front(given, 1 / 8)
+    assert mesh.counts["own crossings"] == remesh(given, 1 / 8).counts["own crossings"] > 0
+    assert len(mesh.unrefined) and set(mesh.reasons) == {OWN_CROSSING}
+    x = mesh.points[mesh.simplices[mesh.unrefined]]
+    assert (np.abs(x[..., 2]).min(axis=1) < 1 / 8).all()
+    assert (np.abs(x[..., 1] - 0.513).min(axis=1) < 1 / 8).all()

@@ -97,9 +97,9 @@ def test_voronoi_dual_over_its_whole_range(preset):
 @pytest.mark.parametrize(
     ("preset", "number"),
     [
-        ("lattice: four on each circle", "8 triangles, 4 Voronoi vertices"),
-        ("three neighbors, no triangle", "3 triangles, 3 Voronoi vertices"),
-        ("vertices outside their triangles", "2 triangles, 2 Voronoi vertices, 1 outside its triangle"),
+        ("lattice: four on each circle", "8 triangles, 4 corners"),
+        ("three neighbors, no triangle", "3 triangles, 3 corners"),
+        ("vertices outside their triangles", "2 triangles, 2 corners, 1 outside its triangle"),
     ],
 )
 def test_the_presets_show_what_they_promise(preset, number):

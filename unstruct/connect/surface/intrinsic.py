@@ -251,7 +251,12 @@ class IntrinsicTriangulation:
             raise InputError(f"there are triangles 0..{self.shape.numbers[0] - 1}, but not {triangle}")
         if w.shape != (3,) or not (w > 0).all() or not np.isfinite(w).all():
             raise InputError("weights must be three positive numbers")
+        w = np.ldexp(w, -int(np.frexp(w.max())[1]))  # the sum of large ones may be no double
         w = w / w.sum()
+        if not (w > 0).all():
+            raise InputError(
+                "weights differ too much: the vertex would lie on an edge or corner, so split one"
+            )
         return self._inserted(split_triangle, triangle, w[1], w[2])
 
     def split(self, half_edge: int, part: float = 0.5) -> int:

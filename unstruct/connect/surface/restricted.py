@@ -229,6 +229,10 @@ def _values(function: Implicit, x: Array) -> Array:
     found = as_numbers(raw, "values of the function surface")
     if found.shape != (len(x),):
         raise InputError(f"surface must return one number for each of {len(x)} points, not {found.shape}")
+    wrong = np.flatnonzero(np.isnan(found))
+    if len(wrong):
+        place = x[wrong[0]].tolist()
+        raise InputError(f"the function surface returned nan at {place}: it must have a sign everywhere")
     return found
 
 

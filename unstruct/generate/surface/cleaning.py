@@ -1,13 +1,15 @@
-"""What is mended of a mesh of triangles before it is remeshed: repeated triangles, and their directions."""
+"""What is mended of triangles before they are remeshed: repeated and flat ones, and directions."""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.embedded import flat_rows
 from ...geometry.inside_shell import triangle_components
 from ...geometry.support_features import same_points, side_groups
 from ...mesh.mesh import Mesh
@@ -36,7 +38,7 @@ class Cleaned(NamedTuple):
     regions: Mapping[str, int]
 
 
-def cleaned(surface: Any) -> Cleaned:
+def cleaned(surface: Any, *, flat: bool = False) -> Cleaned:
     """The surface; of a mesh each triangle once, and all parts turned alike where that is possible.
 
     A part, which hangs together over edges of two triangles, is turned as its first triangle. A part with one
@@ -50,22 +52,23 @@ def cleaned(surface: Any) -> Cleaned:
     kept = np.zeros(len(rows), dtype=bool)
     kept[np.unique(np.sort(rows, axis=1), axis=0, return_index=True)[1]] = True
     repeated = whole & ~kept
-    triangles = np.array(surface.simplices)[~repeated]
+    hanging = _hanging(surface, same, rows, whole & kept) if flat else np.zeros(len(rows), dtype=bool)
+    gone = repeated | hanging
+    triangles = np.array(surface.simplices)[~gone]
     turned = np.zeros(len(triangles), dtype=bool)
-    real = np.flatnonzero(whole[~repeated])
+    real = np.flatnonzero(whole[~gone])
     turned[real] = _against(same[triangles[real]])
     triangles[turned] = triangles[turned][:, [0, 2, 1]]
     used = np.unique(surface.simplices)
     found = surface
-    if repeated.any() or turned.any():
+    if gone.any() or turned.any():
         markers = {
-            name: values[~repeated] if values.ndim == 1 else values
-            for name, values in surface.markers.items()
+            name: values[~gone] if values.ndim == 1 else values for name, values in surface.markers.items()
         }
         found = Mesh(surface.points, triangles, markers=markers, regions=surface.regions)
     counts = {
         "equal points": int((same[used] != used).sum()),
-        "degenerate triangles": int((~whole).sum()),
+        "degenerate triangles": int((~whole).sum() + hanging.sum()),
         "repeated triangles": int(repeated.sum()),
         "turned triangles": int(turned.sum()),
     }
@@ -73,6 +76,41 @@ def cleaned(surface: Any) -> Cleaned:
         name: same[np.unique(values)] for name, values in surface.markers.items() if values.shape[1:] == (1,)
     }
     return Cleaned(found, counts, vertices, surface.regions)
+
+
+def _hanging(
+    surface: Mesh, same: NDArray[np.int64], rows: NDArray[np.int64], sound: NDArray[np.bool_]
+) -> NDArray[np.bool_]:
+    """The flat triangles with two or three sides of no other one, and no name at them; but never all."""
+    gone = np.zeros(len(rows), dtype=bool)
+    among = np.flatnonzero(sound)
+    flat = among[flat_rows(surface.points, rows[among])]
+    if len(flat) in (0, len(among)):
+        return gone
+    named = [same[values] for values in surface.markers.values() if values.ndim == 2]
+    held = {tuple(sorted(row)) for values in named for row in values.tolist()}
+    used = Counter(side for row in rows[among].tolist() for side in _sides(row))
+    todo = flat.tolist()
+    while todo:
+        rest = []
+        for t in todo:
+            row = rows[t].tolist()
+            free = [side for side in _sides(row) if used[side] == 1]
+            parts = [*free, tuple(sorted(row)), *((v,) for v in row)]
+            if len(free) > 1 and not held.intersection(parts):
+                gone[t] = True
+                used.subtract(_sides(row))
+            else:
+                rest.append(t)
+        if len(rest) == len(todo):
+            break
+        todo = rest
+    return gone
+
+
+def _sides(row: list[int]) -> list[tuple[int, int]]:
+    a, b, c = sorted(row)
+    return [(a, b), (b, c), (a, c)]
 
 
 def _against(rows: NDArray[np.int64]) -> NDArray[np.bool_]:

@@ -16,11 +16,13 @@ from ...domain.given_surface import USUAL_SHARP, GivenSurface, directed, given_s
 from ...geometry.embedded import flat_rows
 from ...geometry.support import Support
 from ...mesh.domain_mesh import DomainMesh, noticed
+from ...sizing.asked import MISSED_SIZE
 from ...sizing.field import SizeField, as_size
 from .cleaning import cleaned
 from .front_finish import made_rounder
 from .front_march import MarchedFront, marched, surface_sizes
 from .front_sound import fault_of_front, meets_itself
+from .missed import crossing_reasons, missed_size
 from .remesh import remesh
 
 __all__ = ["surface_front"]
@@ -82,8 +84,9 @@ def surface_front(
         tells how triangles were found: "candidate" with a vertex near the ideal point, "point" with a new
         vertex, "search" with one farther away, "again" edges that had to wait; "attempts"; and what was wrong
         with the triangles of a given mesh, as in `remesh`: "equal points", "degenerate triangles", "repeated
-        triangles", "turned triangles". ``figures`` has "sharp", and the "deviation", the largest distance of
-        the mesh and the surface from each other at samples.
+        triangles", "turned triangles", "own crossings". Triangles that miss the size, at the barycenter or at
+        a corner, and those that cross others are in ``unrefined``, with ``reasons``. ``figures`` has "sharp",
+        and the "deviation", the largest distance of the mesh and the surface from each other at samples.
 
     Raises
     ------
@@ -107,7 +110,7 @@ def surface_front(
     field, budget, improve = as_size(size), as_count(budget, "budget"), as_flag(improve, "improve")
     if not 0.0 < finite(sharp, "sharp") <= 180.0:
         raise InputError(f"sharp must be an angle up to 180 degrees, not {sharp!r}")
-    clean = cleaned(surface)
+    clean = cleaned(surface, flat=True)
     given = directed(given_surface(clean.surface, sharp if sharp < 180.0 else None))
     support = given.support
     why, counts = "", {}
@@ -119,9 +122,8 @@ def surface_front(
         why = front.why or _fault(support, front)
         if not why:
             made = _finished(support, front, field, improve)
-            return noticed(
-                _as_mesh(given, made, (sharp, clean.regions), counts, LOWERED_SIZE if attempt else "")
-            )
+            reason = LOWERED_SIZE if attempt else ""
+            return noticed(_as_mesh(given, made, (sharp, clean.regions, field), counts, reason))
         if front.full:
             break
     if not front.full:
@@ -129,7 +131,7 @@ def surface_front(
         if other is not None:
             return noticed(other)
     reason = BUDGET_SHORT if front.full else NOT_CLOSED.format(why)
-    return noticed(_as_mesh(given, _kept(support), (sharp, clean.regions), counts, reason))
+    return noticed(_as_mesh(given, _kept(support), (sharp, clean.regions, field), counts, reason))
 
 
 def _fault(support: Support, front: MarchedFront) -> str:
@@ -181,7 +183,7 @@ def _remeshed(
         regions=mesh.regions,
         unrefined=np.arange(mesh.size),
         reasons=np.full(mesh.size, REMESHED.format(why)),
-        counts=counts,
+        counts=counts | {"own crossings": mesh.counts["own crossings"]},
         figures={"sharp": sharp, "deviation": mesh.figures["deviation"]},
     )
 
@@ -206,11 +208,11 @@ def _kept(support: Support) -> MadeFront:
 def _as_mesh(
     given: GivenSurface,
     made: MadeFront,
-    told: tuple[float, Mapping[str, int]],
+    told: tuple[float, Mapping[str, int], SizeField],
     counts: dict[str, int],
     reason: str,
 ) -> DomainMesh:
-    """The mesh with its names; ``told`` has the angle of creases and the numbers of named regions."""
+    """The mesh with its names; ``told`` has the angle of creases, the numbers of named regions, the size."""
     support, rows = given.support, made.rows.astype(np.int32)
     points, x = made.points / support.factor, made.points[rows]  # scaled: products of lengths are finite
     middle = (x[:, 0] / 3 + x[:, 1] / 3 + x[:, 2] / 3) / support.factor
@@ -218,16 +220,21 @@ def _as_mesh(
     triangle = support.nearest(middle, normals=normals)[0]
     markers = given.markers(rows, triangle) | _named_edges(given, made, points)
     there, back = support.deviation(points, rows)
-    unrefined = np.arange(len(rows)) if reason else np.empty(0, dtype=np.int64)
+    crossing, own = crossing_reasons(made.points, rows, support)
+    why = dict.fromkeys(range(len(rows)), reason) if reason else {}
+    if not why:
+        why = dict.fromkeys(missed_size(points, rows, told[2]).tolist(), MISSED_SIZE)
+    why |= crossing
+    cells = sorted(why)
     return DomainMesh(
         points,
         rows,
         origin=made.origin,
         markers=markers,
         regions=told[1],
-        unrefined=unrefined,
-        reasons=np.full(len(unrefined), reason),
-        counts=counts,
+        unrefined=cells,
+        reasons=[why[i] for i in cells],
+        counts=counts | {"own crossings": own},
         figures={"sharp": told[0], "deviation": max(there, back)},
     )
 

@@ -119,10 +119,12 @@ def _accept(run, e, c):
 
 @lean
 def _set_frame(run, e):
-    """The frame of an edge; returns its length."""
+    """The frame of an edge; returns its length, 0 if it has none, or no direction of the surface."""
     front, f = run.front, run.nearby.frame
     a, b, n = front.ends[e, 0], front.ends[e, 1], front.normal[e]
     length = between(front.xyz[a], front.xyz[b])
+    if length == 0.0:
+        return 0.0
     along = 0.0
     for m in range(3):
         f[0, m] = 0.5 * (front.xyz[a, m] + front.xyz[b, m])
@@ -131,6 +133,8 @@ def _set_frame(run, e):
     for m in range(3):
         f[3, m] = n[m] - along * f[1, m]
     square = sqrt(f[3, 0] * f[3, 0] + f[3, 1] * f[3, 1] + f[3, 2] * f[3, 2])
+    if square == 0.0:
+        return 0.0
     for m in range(3):
         f[3, m] /= square
     f[2, 0] = f[3, 1] * f[1, 2] - f[3, 2] * f[1, 1]
@@ -217,6 +221,8 @@ def _step(run, e):
     front, nearby = run.front, run.nearby
     a, b, part = front.ends[e, 0], front.ends[e, 1], front.part[front.ends[e, 0]]
     length = _set_frame(run, e)
+    if length == 0.0:  # beside triangles that are flat, as are all behind them
+        return False
     side = min(max(wanted_at(run, nearby.frame[0], front.seat[e]), LEAST_SIDE * length), MOST_SIDE * length)
     seat = _ideal(run, e, sqrt(side * side - 0.25 * length * length))
     gather_near(front, nearby, part, SEEN_REACH[0] * max(side, length))

@@ -12,10 +12,11 @@ from ...geometry.edge_vectors import lengths
 from ...geometry.embedded import flat_rows, meeting_pairs
 from ...geometry.support import Support
 
-__all__ = ["OWN_CROSSING", "OwnCrossings"]
+__all__ = ["CROSSES_ANOTHER", "OWN_CROSSING", "OwnCrossings"]
 
 Array = NDArray[np.float64]
 OWN_CROSSING = "the given surface crosses itself here"
+CROSSES_ANOTHER = "crosses another triangle: give a smaller size there"
 
 
 class OwnCrossings:

@@ -14,18 +14,18 @@ from ...connect.surface.complex import SurfaceComplex, Taken
 from ...connect.surface.halfedges import SMOOTH
 from ...domain.domain import Domain
 from ...domain.given_surface import USUAL_SHARP, GivenSurface, directed, given_surface
-from ...geometry.edge_vectors import lengths
 from ...geometry.support_features import same_points
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...mesh.mesh import Mesh
-from ...sizing.asked import MISSED_SIZE, MUCH_LONGER
+from ...sizing.asked import MISSED_SIZE
 from ...sizing.field import SizeField, as_size
 from .cleaning import Cleaned, cleaned
 from .distances import curve_deviation
 from .measuring import FLAT_TRIANGLE, INVERTED, TOO_FAR_OFF
+from .missed import missed_size, sharp_triangles
 from .near_sheets import HELPED, KEEPINGS, MOST_TIMES, creases_near, keeping
 from .needles import without_needles
-from .own_crossings import OWN_CROSSING
+from .own_crossings import CROSSES_ANOTHER, OWN_CROSSING
 from .run import ALLOWED, KEPT_TO, REMESH_ROUNDS, RemeshRun
 from .seams import divide_seams
 from .shapes import COLLAPSES, FLIPS_DONE, MOVES_DONE, SPLITS_DONE, TOO_FAR, TURNED
@@ -39,8 +39,10 @@ FAULT_REASONS = {
     FLAT_TRIANGLE: "flat",
 }
 BESIDE_SURFACE = "a vertex is beside the surface, as a triangle would turn over: give a smaller size there"
-CROSSES_ANOTHER = "crosses another triangle: give a smaller size there"
 NEAR_CREASE = "sharp: creases are too near each other for the size: give a smaller size there"
+NEAR_VERTICES = (
+    "sharp: vertices much nearer each other than the size could not be merged: give a smaller size there"
+)
 SHARP_BETWEEN = 10.0  # degrees below which an angle between creases is told
 NO_BUDGET = "larger than the size: the budget of vertices is used up"
 
@@ -90,17 +92,17 @@ def remesh(
         Triangles in space, turned as the given ones (those of a body outward). ``origin`` has the number of
         the given point for vertices that are in its place: corners of features are, always. ``markers`` are
         carried on. Triangles that are too far from the given surface, turned against it, flat, or that cross
-        others or miss the size, and those of less than ten degrees between creases, are in ``unrefined``,
-        with ``reasons``; crossings of the given surface itself have a reason of their own, and nothing is
-        refined there. ``counts``: "splits", "collapses", "flips", "moves", how many changes were "refused:
-        too far" and "refused: turned over", "lowered" (the vertices where the size had to be lowered), "kept
-        edges" (given ones, for sheets near each other), "feature edges", and what was wrong with the given
-        triangles ("equal points", "degenerate triangles", "repeated triangles", "turned triangles"; "seams":
-        edges of more than two triangles; "one-sided edges": of two that cannot be turned alike, where a
-        surface of one side closes; "own crossings": pairs of given triangles that cross, where the mesh does,
-        too). ``figures``: "deviation" (of all distances, both ways, the largest), "feature deviation", "least
-        angle" in degrees, "least size" (the smallest part of the wanted size to which it was lowered), and
-        "sharp" as given, 0 for None.
+        others or miss the size, and those of less than ten degrees between creases, or at edges much too
+        short, are in ``unrefined``, with ``reasons``; crossings of the given surface itself have a reason of
+        their own, and nothing is refined there. ``counts``: "splits", "collapses", "flips", "moves", how many
+        changes were "refused: too far" and "refused: turned over", "lowered" (the vertices where the size had
+        to be lowered), "kept edges" (given ones, for sheets near each other), "feature edges", and what was
+        wrong with the given triangles ("equal points", "degenerate triangles", "repeated triangles", "turned
+        triangles"; "seams": edges of more than two triangles; "one-sided edges": of two that cannot be turned
+        alike, where a surface of one side closes; "own crossings": pairs of given triangles that cross, where
+        the mesh does, too). ``figures``: "deviation" (of all distances, both ways, the largest), "feature
+        deviation", "least angle" in degrees, "least size" (the smallest part of the wanted size to which it
+        was lowered), and "sharp" as given, 0 for None.
 
     Raises
     ------
@@ -132,7 +134,7 @@ def remesh(
         raise InputError(f"onto must be a function of points (k, 3), not {onto!r:.60}")
     most = DEFAULT_BUDGET if budget is None else as_count(budget, "budget")
     progress = as_flag(progress, "progress")
-    clean = cleaned(surface)
+    clean = cleaned(surface, flat=True)
     if onto is not None:
         clean = clean._replace(surface=_true(clean.surface, onto, field, within, most))
     given = directed(given_surface(clean.surface, sharp))
@@ -256,15 +258,14 @@ def _account(attempt: Attempt, clean: Cleaned, sharp: float | None) -> DomainMes
         fault = fault & ~TOO_FAR_OFF | run.farther(1.0 / KEPT_TO)
     fault = fault[taken.slots]
     crossed, own = (np.isin(taken.slots, slots) for slots in crossing)
-    sides = points[taken.triangles] - points[np.roll(taken.triangles, 1, axis=1)]
-    large = lengths(sides).max(axis=1) > MUCH_LONGER * run.size(points[taken.triangles].mean(axis=1))
-    why: dict[int, str] = {}
-    for i in np.flatnonzero(large).tolist():
-        why[i] = NO_BUDGET if run.short else MISSED_SIZE
+    large = missed_size(points, taken.triangles, run.size)
+    why = dict.fromkeys(large.tolist(), NO_BUDGET if run.short else MISSED_SIZE)
     angle = mesh.quality("min_angle")
     corners = 3 * taken.slots[:, None] + np.arange(3)
-    between = (s.kind[s.vertex[corners]] != SMOOTH).all(axis=1) & ((s.curve[corners] >= 0).sum(axis=1) < 2)
-    why |= dict.fromkeys(np.flatnonzero(between & (angle < SHARP_BETWEEN)).tolist(), NEAR_CREASE)
+    on_creases = s.kind[s.vertex[corners]] != SMOOTH
+    creased, thin = sharp_triangles(points[taken.triangles], s.curve[corners] >= 0, on_creases, run.size)
+    why |= dict.fromkeys(np.flatnonzero(thin & (angle < SHARP_BETWEEN)).tolist(), NEAR_VERTICES)
+    why |= dict.fromkeys(np.flatnonzero(creased & (angle < SHARP_BETWEEN)).tolist(), NEAR_CREASE)
     for kind, text in FAULT_REASONS.items():
         why |= dict.fromkeys(np.flatnonzero(fault & kind).tolist(), text)
     off = run.off[taken.vertices][taken.triangles].any(axis=1)

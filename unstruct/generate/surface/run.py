@@ -21,12 +21,13 @@ from .faceting import faceting
 from .flips import count_degrees, flip_pass
 from .lengths import LONG_SHARE, collapse_pass, split_pass
 from .measuring import FLAT_TRIANGLE, TOO_FAR_OFF, crease_pass, faults_pass, grade_pass, lower_pass
+from .missed import farther_from
 from .moves import move_pass, put_pass, settle_pass
 from .near_sheets import HELPED, total_area
 from .own_crossings import OwnCrossings
 from .seams import follow_sizes
 from .shapes import COLLAPSES, FLIPS_DONE, SPLITS_DONE, RemeshWork
-from .sharpest import mend_pass, sharpest_pass
+from .sharpest import mend_pass, sharpest_pass, thin_pass
 
 __all__ = ["ALLOWED", "KEPT_TO", "RemeshRun"]
 
@@ -178,6 +179,15 @@ class RemeshRun:
         """Move all vertices once."""
         self.sweep(move_pass, self.used)
 
+    def thin(self) -> None:
+        """No vertices that need not be within strips far thinner than the size."""
+        before = self.counts[COLLAPSES]
+        while self.sweep(thin_pass, 3 * self.slots):
+            self.flip(False)
+        if self.counts[COLLAPSES] > before:
+            self.round()
+            self.finish()
+
     def measure(self) -> bool:
         """Lower sizes where the mesh is too far from the surface; whether there is such a place."""
         s = self.complex.sheets
@@ -238,7 +248,7 @@ class RemeshRun:
         self.refresh()
 
     def near(self, places: Array) -> NDArray[np.bool_]:
-        """The slots of triangles near some points, in units of the size there."""
+        """The slots of triangles near some points, in sizes."""
         s = self.complex.sheets
         rows = s.vertex[: 3 * self.slots].reshape(-1, 3)
         middle = s.xyz[np.maximum(rows, 0)].mean(axis=1)
@@ -265,25 +275,14 @@ class RemeshRun:
         return fault
 
     def farther(self, share: float = 1.0) -> NDArray[np.int8]:
-        """`TOO_FAR_OFF` for slots of triangles with a sample that is farther than a share of what is allowed.
-
-        Of the surface, too: the triangle that is nearest to the middle of a given one has the fault. Only a
-        distance that was asked for is held by all samples.
-        """
+        """`TOO_FAR_OFF` for slots of triangles with a sample farther than a share of what was asked for."""
         s, fault = self.complex.sheets, np.zeros(self.slots, dtype=np.int8)
         if self.deviation is None:
             return fault
         taken = self.complex.taken()
         corners = s.vertex[3 * taken.slots[:, None] + np.arange(3)]
         most = share * s.allowed[corners].max(axis=1) / self.support.factor
-        points = taken.points / self.support.factor
-        there, back = self.support.distances(points, taken.triangles)
-        fault[taken.slots[there > most]] = TOO_FAR_OFF
-        rows = np.flatnonzero(back > most.min(initial=np.inf))
-        if len(rows):
-            middle = self.support.points[self.support.triangles[rows]].mean(axis=1)
-            near, _ = TriangleTree(points[taken.triangles]).nearest(middle)
-            fault[taken.slots[near[back[rows] > most[near]]]] = TOO_FAR_OFF
+        fault[farther_from(self.support, taken, most)] = TOO_FAR_OFF
         return fault
 
     def mend(self, fault: NDArray[np.int8]) -> None:
@@ -384,6 +383,7 @@ class RemeshRun:
                 break
         self.slack = 1.0
         self.finish()
+        self.thin()
         for _ in range(SEPARATIONS):  # only now no other vertices are left between creases
             if not self.separate():
                 break

@@ -10,12 +10,14 @@ from ...connect.surface.halfedges import SEAM_CURVES, first_corner, has_room, tu
 from .flips import flip_if_better
 from .lengths import collapse_checked, split_checked
 from .moves import search_at
-from .shapes import SPLITS_DONE, distance_squared, middle_distance, sharpness
+from .shapes import SPLITS_DONE, distance_squared, middle_distance, sharpness, wanted_squared
 
-__all__ = ["mend_pass", "sharpest_pass"]
+__all__ = ["mend_pass", "sharpest_pass", "thin_pass"]
 
 VERY_SHARP = 0.03  # sharpness of ten degrees: triangles in sharp corners, mostly, that nothing helps
 NOTABLY_LESS = 1.05  # moves that help them by less are not repeated
+THIN_SHARE = 0.1  # of the wanted length: a shorter edge of very sharp triangles lies in a thin strip
+AS_SHARP = 0.9  # of their sharpness is left at least when it is collapsed
 LONGEST_NEW = 1.6  # edges that a collapse makes may have this length, in wanted ones
 
 
@@ -83,6 +85,28 @@ def sharpest_pass(work, start, stop, target, tried):
                 _look_again(s, v, tried)
         else:
             tried[t] = True
+    return done
+
+
+@kernel
+def thin_pass(work, start, stop):
+    """Collapse very short edges between very sharp triangles, which become hardly sharper; how many.
+
+    A strip that is thinner than any size has room for no row of vertices, and each collapse for itself makes
+    no triangle in it less sharp: that is why other passes leave them.
+    """
+    s, done = work.sheets, 0
+    for e in range(start, stop):
+        if s.vertex[e - e % 3] == UNUSED or s.twin[e] > e:
+            continue
+        u, w = s.vertex[next_edge(e)], s.vertex[prev_edge(e)]
+        if distance_squared(s.xyz, u, w) >= THIN_SHARE * THIN_SHARE * wanted_squared(s, u, w):
+            continue
+        now = _sharpness_of(work, e // 3)
+        if s.twin[e] >= 0:
+            now = max(now, _sharpness_of(work, s.twin[e] // 3))
+        if now < VERY_SHARP:
+            done += collapse_checked(work, e, AS_SHARP * now, LONGEST_NEW)
     return done
 
 

@@ -32,6 +32,8 @@ MESHED_METHODS = {
     "Voronoi segments": voronoi_segment,
 }
 MESHED_SIZES = {"coarse": 5, "medium": 8, "fine": 11}  # the root of the area over the size
+MESHED_EXTENT = np.array([3.0, 2.0])
+MESHED_WINDOW = (-1.6, 1.6, -1.1, 1.1)
 
 
 @lru_cache
@@ -62,18 +64,18 @@ def meshed_state(
     domain = _region(region)
     wanted = float(np.sqrt(domain.area)) / preset_named(MESHED_SIZES, size)
     mesh = preset_named(MESHED_METHODS, method)(domain, wanted)
-    corners = mesh.corners
-    radii, found = circumradius(corners), np.degrees(angles(corners))
+    radii, found = circumradius(mesh.corners), np.degrees(angles(mesh.corners))
     worst = int(radii.argmax())
-    (left, low), (right, high) = domain.bounds
-    edge = 0.05 * max(right - left, high - low)
+    low, high = np.array(domain.bounds)
+    scale = ((high - low) / MESHED_EXTENT).max()  # all regions fit into one window
+    points = (mesh.points - (low + high) / 2) / scale
+    corners = points[mesh.simplices]
     items = [
         fr.polygons("cell", np.delete(corners, worst, axis=0)),
         fr.polygons("highlight", corners[[worst]]),
-        fr.segments("constrained", mesh.points[mesh.segments]),
-        fr.circles("circumcircle", [circumcenter(corners[worst])], [radii[worst]]),
+        fr.segments("constrained", points[mesh.segments]),
+        fr.circles("circumcircle", [circumcenter(corners[worst])], [radii[worst] / scale]),
     ]
     number = f"{mesh.size} triangles, angles {found.min():.0f}° to {found.max():.0f}°, "
     number += f"largest R = {radii[worst] / wanted:.2f} h"
-    window = (left - edge, right + edge, low - edge, high + edge)
-    return fr.frame(f"{region}, {method}, h = {wanted:.3f}", *items, number=number, view=window)
+    return fr.frame(f"{region}, {method}, h = {wanted:.3f}", *items, number=number, view=MESHED_WINDOW)

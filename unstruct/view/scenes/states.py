@@ -192,8 +192,8 @@ def voronoi_dual_state(fade: float, preset: str = "nine sites") -> fr.Frame:
     Returns
     -------
     dict
-        A frame; its number counts triangles and Voronoi vertices, which correspond one to one if no four
-        sites lie on an empty circle.
+        A frame; its number counts triangles and corners of the diagram, which correspond one to one if no
+        four sites lie on an empty circle.
     """
     sites = np.array(preset_named(SITES, preset))
     within("fade", fade, 0, 1)
@@ -210,8 +210,8 @@ def voronoi_dual_state(fade: float, preset: str = "nine sites") -> fr.Frame:
         fr.dots("vertex", sites),
         fr.labels("vertex", sites, range(len(sites))),
     ]
-    number = f"{_many(mesh.size, 'triangle')}, {_many(len(nodes), 'Voronoi vertex')}"
-    caption = "Sites and their cells" if fade < 0.34 else "Cells that share an edge: join their sites"
+    number = f"{_many(mesh.size, 'triangle')}, {_many(len(nodes), 'corner')}"
+    caption = "Sites and their cells" if fade < 0.34 else "Around each corner: triangles of its sites"
     caption = caption if fade < 0.67 else "The dual: the Delaunay triangulation"
     if preset.startswith("three"):
         items[2:2] = [
@@ -237,7 +237,7 @@ def _inside(triangle: np.ndarray, point: np.ndarray) -> bool:
 
 
 def _many(number: int, what: str) -> str:
-    return f"{number} {what if number == 1 else what.replace('vertex', 'vertice') + 's'}"
+    return f"{number} {what}{'s' * (number != 1)}"
 
 
 # ---- Bowyer and Watson, step by step -------------------------------------------------------------
