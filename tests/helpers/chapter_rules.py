@@ -15,6 +15,15 @@ from typing import Any
 from book_files import CLAIM, code_cells, ledger, notebook, tags
 
 COLUMNS = 84  # what the website shows at a width of 1280 pixels
+SECTIONS = (
+    "Predict first",
+    "By hand",
+    "When it breaks",
+    "Real regions",
+    "What to take away",
+    "Exercises",
+    "Sources",
+)
 LINES = 30  # of a cell whose code is shown
 FOLDED_TAGS = {"hide-cell", "hide-input"}
 STATEMENTS = "Theorem|Lemma|Corollary|Proposition|Definition"
@@ -278,6 +287,16 @@ def it_begins_and_ends_well(path: Path) -> Iterator[str]:
     first = notebook(path).cells[0].source
     if not re.search(r"\b\d+ minutes\b", first) or not re.search(r"\]\([\w.-]+\.ipynb", first):
         yield "the first cell must say how many minutes the chapter takes, and link to what it needs"
+    headings = re.findall(r"^## (.*)$", "\n\n".join(cell.source for cell in texts(path)), flags=re.M)
+    places = [[k for k, title in enumerate(headings) if name in title] for name in SECTIONS]
+    for name, found in zip(SECTIONS, places):
+        if not found:
+            yield f"no section {name!r}"
+    if all(places) and [found[0] for found in places] != sorted(found[0] for found in places):
+        yield f"the sections are in another order than {', '.join(SECTIONS)}"
+    away = "\n".join(cell.source for cell in section(path, "what to take away"))
+    if len(re.findall(r"^(?:-|\d\.) ", away, flags=re.M)) != 5:
+        yield "what to take away must have five items"
     works = "\n".join(cell.source for cell in section(path, "sources"))
     if len(re.findall(r"^- ", works, flags=re.M)) < 2 or not re.search(r"\b(1[89]|20)\d\d\b", works):
         yield "the section on sources lists less than two works with their years"
