@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import sys
 from pathlib import Path
 from types import ModuleType
 
@@ -19,6 +20,7 @@ def load(path: Path) -> ModuleType:
     return module
 
 
+sys.path.append(str(ROOT / "site"))  # pages.py imports what is beside it
 execute = load(ROOT / "book" / "execute.py")
 pages = load(ROOT / "site" / "pages.py")
 
