@@ -105,7 +105,7 @@ def for_sphinx(text: str) -> str:
 
 def with_download(text: str, notebook: str) -> str:
     """A first cell with a link to the notebook itself, as the book has it, below its title."""
-    title, rest = text.split("\n", 1)
+    title, _, rest = text.partition("\n")
     link = f"{{download}}`Download this page as a notebook <{notebook}>`"
     return f"{title}\n\n:::{{container}} notebook\n{link}\n:::\n\n{rest}"
 
