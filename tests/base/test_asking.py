@@ -31,7 +31,7 @@ def test_the_first_place_concerned() -> None:
 
 
 def test_no_places_at_all() -> None:
-    with pytest.raises(InputError, match="raised ZeroDivisionError .* for no points; it takes"):
+    with pytest.raises(InputError, match=r"raised ZeroDivisionError .* for no points; it takes"):
         asked_at(lambda x: 1 / 0, PLACES[:0], "the size", "places")
 
 
