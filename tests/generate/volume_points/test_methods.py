@@ -89,3 +89,5 @@ def test_refused() -> None:
         voronoi_segment(box, 0.3, order="last")
     with pytest.raises(InputError, match=r"directions|metric"):
         voronoi_segment(box, directional([1, 1], 0.2, 0.1))
+    with pytest.raises(InputError, match="size must be"):  # it once went on for ten million points
+        voronoi_segment(box, None)

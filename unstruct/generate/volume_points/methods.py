@@ -68,6 +68,8 @@ def segments_in_body(
     progress: bool = False,
 ) -> DomainMesh:
     """`voronoi_segment` for a body in space; see there."""
+    if size is None:
+        raise InputError("size must be a number, a function of points or a SizeField, not None")
     accept = positive(accept, "accept")
     rule = _order(priority, True), SEGMENT_RULE, accept
     mesh, done = _run(domain, size, rule, split_boundary, budget, history, progress, "Voronoi")
