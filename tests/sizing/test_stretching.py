@@ -153,7 +153,7 @@ def test_functions_that_raise_are_told_with_the_place() -> None:
 
     places = np.array([[0.0, 1.0], [1.0, 1.0], [3.0, 1.0], [4.0, 1.0]])
     with pytest.raises(InputError, match=r"function for first raised ZeroDivisionError \(no height here\) at "
-                       r"place 2 = \[3.0, 1.0\]"):  # fmt: skip
+                       r"places\[2\] = \[3.0, 1.0\]"):  # fmt: skip
         Layers(first=fails, growth=1.2, count=4).cumulative(at=places)
     with pytest.raises(InputError, match="function of shares raised KeyError"):
         Layers(count=4, thickness=1.0, function=lambda s: {}[0])

@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import as_numbers, as_points
+from ..base.asking import asked_at
 from ..base.errors import InputError
-from .field import ASKED_AT_ONCE, first_to_raise
+from .field import ASKED_AT_ONCE
 
 __all__ = ["AnyMetric", "asked", "directions_of", "frozen", "landmarks_of"]
 
@@ -116,13 +117,5 @@ def frozen(metric: Any, parts: Sequence[Any]) -> Any:
 
 def asked(function: Callable[[Array], Any], points: Array, first: int, what: str) -> Any:
     """What a function returns at some points; ``points[0]`` is row ``first`` of the caller's array."""
-    try:
-        return function(points)
-    except InputError:  # raised by a field inside this one; its message names the point
-        raise
-    except Exception as error:
-        row = first_to_raise(function, points)
-        raise InputError(
-            f"the function of the {what} raised {type(error).__name__} ({error}) at x[{first + row}] = "
-            f"{points[row].tolist()}; it takes points (k, {points.shape[1]})"
-        ) from error
+    takes = f"points (k, {points.shape[1]})"
+    return asked_at(function, points, f"the function of the {what}", takes, first=first)

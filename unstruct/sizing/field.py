@@ -15,12 +15,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..base.arguments import positive
 from ..base.arrays import FLOAT64, all_positive, as_points
+from ..base.asking import asked_at
 from ..base.errors import InputError
 from ..geometry.simplex import circumcenter, circumradius
 from .table import SizeTable, build
 
 __all__ = [
-    "SizeField", "as_size", "clip", "control", "first_to_raise", "maximum", "minimum", "product",
+    "SizeField", "as_size", "clip", "control", "maximum", "minimum", "product",
 ]  # fmt: skip
 
 Array = NDArray[np.float64]
@@ -103,27 +104,20 @@ class SizeField:
         """The function at some points; ``points[0]`` is row ``first`` of the array that the caller gave."""
         if self.constant is not None:
             return np.full(len(points), self.constant)
-        try:
-            raw = self.function(points)
-            if _are_plain(raw, len(points)) and all_positive(raw):
-                return raw
-            values = np.asarray(raw)
-        except InputError:  # raised by a field inside this one; its message names the point
-            raise
-        except Exception as error:
-            row = first_to_raise(self.function, points)
-            raise InputError(
-                f"the size function raised {type(error).__name__} ({error}) at "
-                f"x[{first + row}] = {points[row].tolist()}; it takes points (k, d) and returns k lengths"
-            ) from error
+        values = asked_at(
+            lambda x: np.asanyarray(self.function(x)), points, "the size function",
+            "points (k, d) and returns k lengths", first=first,
+        )  # fmt: skip
+        if _are_plain(values, len(points)) and all_positive(values):
+            return values
         if values.shape != (len(points),):
             raise InputError(
                 f"the size function must return shape ({len(points)},) for {len(points)} points, not "
                 f"{values.shape}; give a constant size as a plain number"
             )
-        if values.dtype.kind not in "fiu" or np.ma.isMaskedArray(raw):
+        if values.dtype.kind not in "fiu" or np.ma.isMaskedArray(values):
             raise InputError(
-                f"the size function must return plain real numbers, not {type(raw)} of {values.dtype}"
+                f"the size function must return plain real numbers, not {type(values)} of {values.dtype}"
             )
         bad = ~(np.isfinite(values) & (values > 0))
         if bad.any():
@@ -192,19 +186,6 @@ def _are_plain(values: Any, many: int) -> bool:
         and values.shape == (many,)
         and values.flags.carray
     )
-
-
-def first_to_raise(function: Callable[[Array], Any], points: Array) -> int:
-    """The last row of the shortest prefix for which the function raises, by bisection."""
-    low, high = 0, len(points)  # the function raises an error for the first `high` rows
-    while high - low > 1:
-        middle = (low + high) // 2
-        try:
-            function(points[:middle])
-            low = middle
-        except Exception:
-            high = middle
-    return max(high - 1, 0)
 
 
 def as_size(size: Any) -> SizeField:

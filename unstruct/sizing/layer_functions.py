@@ -1,4 +1,4 @@
-"""What functions of the caller's return for layers; errors that they raise are told with the place."""
+"""What functions of the caller's return for layers."""
 
 from __future__ import annotations
 
@@ -9,25 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..base.errors import InputError
-from .field import first_to_raise
 
-__all__ = ["asked_at", "asked_for_shares"]
+__all__ = ["asked_for_shares"]
 
 Array = NDArray[np.float64]
-
-
-def asked_at(function: Callable[[Array], Any], name: str, places: Array) -> Any:
-    """What a function of places returns; an error that it raises is told with the first place concerned."""
-    try:
-        return function(places)
-    except InputError:  # its message tells what is wrong
-        raise
-    except Exception as error:
-        row = first_to_raise(function, places)
-        raise InputError(
-            f"the function for {name} raised {type(error).__name__} ({error}) at place {row} = "
-            f"{places[row].tolist()}; it takes places (k, d) and returns k positive numbers"
-        ) from error
 
 
 def asked_for_shares(function: Callable[[Array], Any], n: int) -> Array:

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..base.arrays import as_points
+from ..base.asking import asked_at
 from ..base.elementary import exponentials
 from ..base.errors import InputError
-from .layer_functions import asked_at, asked_for_shares
+from .layer_functions import asked_for_shares
 
 __all__ = ["DEFAULT_GROWTH", "Layers"]
 
@@ -159,7 +160,9 @@ class Layers:
             places = as_points(at, "at")
             for name, value in given.items():
                 if callable(value):
-                    given[name] = _values(asked_at(value, name, places), f"{name}(places)")
+                    takes = "places (k, d) and returns k positive numbers"
+                    asked = asked_at(value, places, f"the function for {name}", takes, name="places")
+                    given[name] = _values(asked, f"{name}(places)")
                 if name != "count" and np.size(given[name]) not in (1, len(places)):
                     raise InputError(
                         f"{name} has {np.size(given[name])} values, but there are {len(places)} places; give "

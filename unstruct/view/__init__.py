@@ -47,6 +47,9 @@ from .scenes.constraints import segment_state as segment_state
 from .scenes.corner_states import CORNER_ANGLES as CORNER_ANGLES
 from .scenes.corner_states import CORNER_METHODS as CORNER_METHODS
 from .scenes.corner_states import corner_state as corner_state
+from .scenes.crease_states import CREASE_ANGLES as CREASE_ANGLES
+from .scenes.crease_states import CREASE_RAYS as CREASE_RAYS
+from .scenes.crease_states import crease_state as crease_state
 from .scenes.fold_states import FOLD_SHAPES as FOLD_SHAPES
 from .scenes.fold_states import fold_state as fold_state
 from .scenes.fold_states import folded as folded

@@ -129,6 +129,18 @@ def test_given_diagonals_against_the_order_of_ties() -> None:
     assert wrong_diagonals(points, body.faces.tolist(), np.arange(11))
 
 
+@pytest.mark.parametrize("power", [-1, -400, -600])
+@pytest.mark.parametrize("turned", [0, 1, 2])
+def test_an_order_fits_to_a_square_however_small(power: int, turned: int) -> None:
+    """The normal of a small square underflows beside vertices that are far; its pair counts as any other."""
+    square = np.roll([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], turned, axis=1) * 2.0**power
+    points = np.concatenate([square, [[1, 1, 1], [2, 1, 1], [1, 2, 1]]])
+    faces = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6]])
+    order = np.array([1, 3, 4, 5, 6, 2, 0])
+    fits = order_that_fits(points, faces, order)
+    assert sorted(fits) == list(range(7)) and max(np.argsort(fits)[[1, 3]]) > max(np.argsort(fits)[[0, 2]])
+
+
 def wrong_diagonals(points: list[list[int]], faces: list[list[int]], order: np.ndarray) -> list[set[int]]:
     """Pairs of triangles in a plane, corners on a circle, of which the last vertex is on the diagonal."""
     place, wrong = np.argsort(order), []

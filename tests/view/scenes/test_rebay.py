@@ -96,9 +96,9 @@ def test_the_slope_is_half_for_constant_size_and_the_tangent_has_it():
     [
         ("constant size", "one shape"),
         ("f grows by a quarter", "one shape"),
-        ("f shrinks: a start near the rest", "one shape"),
+        ("f shrinks: a start near the fixed point", "one shape"),
         ("the same, a start from afar", "two shapes in turn"),
-        ("no rest, no pair", "no convergence"),
+        ("f shrinks: nothing is stable", "no convergence"),
         ("nasty: f shrinks faster than p", "without bound"),
     ],
 )

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...base.arrays import as_numbers, as_points
+from ...base.asking import asked_at
 from ...base.errors import DegenerateInputError, InputError
 from ...base.report import Report, problem
 from ...geometry.boxes import BoxTree, bounding_boxes
@@ -219,13 +220,8 @@ def _from_triangles(mesh: Mesh, duals: Duals, pairs: NDArray[np.int64], corner: 
 
 
 def _values(function: Implicit, x: Array) -> Array:
-    try:
-        raw = function(x)
-    except Exception as error:
-        raise InputError(
-            f"the function surface raised {type(error).__name__} ({error}) for {len(x)} points; it takes an "
-            "array (k, 3) and returns k numbers, negative inside"
-        ) from error
+    takes = "points (k, 3) and returns k numbers, negative inside"
+    raw = asked_at(function, x, "the function surface", takes)
     found = as_numbers(raw, "values of the function surface")
     if found.shape != (len(x),):
         raise InputError(f"surface must return one number for each of {len(x)} points, not {found.shape}")

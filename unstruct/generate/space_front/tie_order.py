@@ -80,10 +80,14 @@ def _cut_quadrilaterals(points: NDArray[np.float64], faces: NDArray[np.int64]) -
     flat = np.asarray(orient(x[found])) == 0
     found = found[flat]
     corners = x[found[:, :3]]
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    ahead = corners[:, 0].copy()  # any point off the plane: its sphere meets the plane in the circle
-    axis = np.abs(normal).argmax(axis=1)
-    ahead[np.arange(len(found)), axis] += 1.0
-    cells = np.concatenate([corners, ahead[:, None]], axis=1)
-    on = (np.asarray(orient(cells)) != 0) & (np.asarray(in_sphere(cells, x[found[:, 3]])) == 0)
+    # The sphere through the corners and any point off their plane meets the plane in the circle. A step
+    # along one of the axes leaves the plane; which one is decided exactly, since products may underflow.
+    cells = np.concatenate([corners, corners[:, :1]], axis=1)
+    todo = np.arange(len(found))
+    for axis in range(3):
+        cells[todo, 3] = corners[todo, 0]
+        cells[todo, 3, axis] += 1.0
+        todo = todo[np.asarray(orient(cells[todo])) == 0]
+    on = np.asarray(in_sphere(cells, x[found[:, 3]])) == 0
+    on[todo] = False  # flat triangles, which have no circle
     return found[on]

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.asking import asked_at
 from ...base.errors import InputError
 
 __all__ = ["CALLED_AT_ONCE", "LevelSet"]
@@ -57,22 +58,18 @@ class LevelSet:
         return result
 
     def _values(self, points: Array) -> Array:
-        try:
-            raw = self.function(points.copy())
-            values = np.asarray(raw)
-        except Exception as error:
-            raise InputError(
-                f"the function of the body raised {type(error).__name__} ({error}) for {len(points)} points; "
-                "it takes an array (k, 3) and returns k numbers, positive inside"
-            ) from error
+        values = asked_at(
+            lambda x: np.asanyarray(self.function(x.copy())), points, "the function of the body",
+            "points (k, 3) and returns k numbers, positive inside",
+        )  # fmt: skip
         if values.shape != (len(points),):
             raise InputError(
                 f"the function of the body must return shape ({len(points)},) for {len(points)} points, not "
                 f"{values.shape}"
             )
-        if values.dtype.kind not in "fiu" or np.ma.isMaskedArray(raw):
+        if values.dtype.kind not in "fiu" or np.ma.isMaskedArray(values):
             raise InputError(
-                f"the function of the body must return plain real numbers, not {type(raw).__name__} of "
+                f"the function of the body must return plain real numbers, not {type(values).__name__} of "
                 f"{values.dtype}"
             )
         values = values.astype(np.float64)

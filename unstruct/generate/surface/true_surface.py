@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arrays import as_points
+from ...base.asking import asked_at
 from ...base.errors import InputError
 from ...geometry.edge_vectors import lengths
 from ...mesh.mesh import Mesh
-from ...sizing.field import first_to_raise
 
 __all__ = ["moved_onto", "nearest_by"]
 
@@ -68,17 +68,9 @@ def moved_onto(
 
 
 def nearest_by(onto: Callable[[Array], Any], x: Array) -> Array:
-    """The points of a true surface, checked; an error that the function raises is told with the place."""
-    try:
-        raw = onto(x)
-    except InputError:  # its message tells what is wrong
-        raise
-    except Exception as error:
-        row = first_to_raise(onto, x)
-        raise InputError(
-            f"the function onto raised {type(error).__name__} ({error}) at x[{row}] = {x[row].tolist()}; it "
-            "takes points (k, 3) and returns as many, the nearest ones of the true surface"
-        ) from error
+    """The points of a true surface, checked."""
+    takes = "points (k, 3) and returns as many, the nearest ones of the true surface"
+    raw = asked_at(onto, x, "the function onto", takes)
     found = as_points(raw, "onto(x)")
     if found.shape != x.shape:
         raise InputError(f"onto must return points of shape {x.shape}, not {found.shape}")

@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...base.asking import first_to_raise
 from ...base.errors import InputError
 from ...geometry.segment_tree import SegmentTree
 from ...geometry.triangle_tree import TriangleTree
-from ...sizing.field import SizeField, first_to_raise
+from ...sizing.field import SizeField
 from .contacts import CUT, Boundary, Contacts
 from .keys import Keys
 from .lookup import boxes_of, centers_of

@@ -125,9 +125,9 @@ def _angle_at(x: np.ndarray) -> float:
 COBWEBS: dict[str, tuple[float, float]] = {  # the factor of f per step, and p / f of the first edge
     "constant size": (1.0, 0.55),
     "f grows by a quarter": (1.25, 0.55),
-    "f shrinks: a start near the rest": (0.88, 0.9),
+    "f shrinks: a start near the fixed point": (0.88, 0.9),
     "the same, a start from afar": (0.88, 0.8),
-    "no rest, no pair": (0.75, 0.8),
+    "f shrinks: nothing is stable": (0.75, 0.8),
     "nasty: f shrinks faster than p": (0.69, 0.8),
 }
 GROWTH, START, COBWEB_STEPS = (0.65, 1.4), (0.5, 1.5), 24
@@ -172,6 +172,7 @@ def cobweb_state(growth: float, start: float, measured: Sequence[Sequence[float]
         fr.dots("accepted", pairs[(abs(pairs) < WINDOW_HIGH).all(axis=1)], opacity=0.5),
         fr.dots("inserted", [orbit[0], 0.0], handles=["start"]),
         fr.labels("edge", [[WINDOW_HIGH - 0.13, 0.0], [0.0, WINDOW_HIGH - 0.13]], ["εₙ", "εₙ₊₁"]),
+        fr.labels("edge", [[0.5, 0.0], [-0.5, 0.0], [0.0, 0.5], [0.0, -0.5]], ["0.5", "−0.5"] * 2),
     ]
     caption, number = _fate(growth, orbit)
     return fr.frame(caption, *items, number=number, view=[WINDOW_LOW, WINDOW_HIGH, WINDOW_LOW, WINDOW_HIGH])

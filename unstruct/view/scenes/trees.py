@@ -183,7 +183,7 @@ def halo_frames() -> list[fr.Frame]:
         "a divided cell of half the side of S touches S, or lies in it: it asks for S",
         "and is asked for itself by a cell of half its own side",
         "and so on: the chain reaches less than s/2 + s/4 + ... = s beyond S",
-        "so the cell of the side of S around its end is S or one of the 8 around it: it pays for S",
+        "so its end lies in S or in one of the 8 cells beside S: this cell A pays for S",
     ]
     frames = []
     for k in range(1, 4):
