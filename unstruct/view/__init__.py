@@ -37,6 +37,7 @@ from .scenes.cavity_search import CAPTURES as CAPTURES
 from .scenes.cavity_search import INSERTION_CASES as INSERTION_CASES
 from .scenes.cavity_search import captured_state as captured_state
 from .scenes.cavity_search import search_history as search_history
+from .scenes.cell_shapes import cell_shape_state as cell_shape_state
 from .scenes.centers import CENTERS as CENTERS
 from .scenes.centers import circumcenter_history as circumcenter_history
 from .scenes.centers import circumcenter_state as circumcenter_state

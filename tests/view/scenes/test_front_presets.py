@@ -33,13 +33,13 @@ def test_the_whole_range(preset: str) -> None:
 @pytest.mark.parametrize(
     ("preset", "said"),
     [
-        ("a hole", "contains; 3 is taken in a wider search"),
+        ("a hole", "in a wider search 5, 2 contains; 3 is taken"),
         (SWALLOWED, "edge 0 1: 4, 3 not round; 5 is taken"),
-        ("no vertex in the circle", "edge 1 2: X too near; 7 is taken in a wider search"),
-        ("X beyond the opposite front", "edge 1 2: X crosses; 7 is taken in a wider search"),
+        ("no vertex in the circle", "edge 1 2: X too near; in a wider search 7 is taken"),
+        ("X beyond the opposite front", "edge 1 2: X crosses; in a wider search 7 is taken"),
         ("a line and a loose vertex", "X too near; 13 crosses; 14 not round; 1 crosses; 2 is taken"),
         ("fronts that touch", "X too near; 17 crosses; 20 is taken"),
-        ("a corner of 1 degree", "8, 7 not round; X crosses; 8 is taken in a wider search"),
+        ("a corner of 1 degree", "8, 7 not round; X crosses; in a wider search 8 is taken"),
     ],
 )  # fmt: skip
 def test_each_shows_its_difficulty(preset: str, said: str) -> None:

@@ -194,13 +194,26 @@ def _tried(have: list[Any], front: list[Any], cells: list[list[int]], step: Step
     ]
     if step.chosen == len(have):
         items.append(fr.dots("inserted", [taken]))
-    wider = " in a wider search" if step.reason == "wider search" else ""
-    why = []
-    for verdict, group in groupby(step.candidates, key=lambda one: one.verdict):
-        names = ", ".join("X" if one.vertex is None else str(one.vertex) for one in group)
-        why.append(f"{names} {verdict}" if verdict else f"{names} is taken{wider}")
+    why, wide = [], _where_it_widens(step)
+    for (later, verdict), group in groupby(
+        enumerate(step.candidates), key=lambda one: (one[0] >= wide, one[1].verdict)
+    ):
+        some = list(group)
+        names = ", ".join("X" if one.vertex is None else str(one.vertex) for _, one in some)
+        widens = "in a wider search " if later and some[0][0] == wide else ""
+        why.append(f"{widens}{names} {verdict or 'is taken'}")
     text = f"edge {step.edge[0]} {step.edge[1]}: {'; '.join(why)}"
     return fr.frame(text, *items, number=_so_far(len(cells), len(front)))
+
+
+def _where_it_widens(step: Step) -> int:
+    """The first candidate of the wider search: one that was tried before, or is outside of the circle."""
+    seen: set[int | None] = set()
+    for k, one in enumerate(step.candidates):
+        if one.vertex in seen or (one.vertex is not None and one.distance > step.radius):
+            return k
+        seen.add(one.vertex)
+    return len(step.candidates)
 
 
 def empty_circle_frames(points: Any, first: Iterable[Sequence[int]], steps: Iterable[Cell]) -> list[fr.Frame]:
