@@ -147,7 +147,7 @@ def hollow(low: float, high: float, hole: tuple[float, float]) -> tuple[np.ndarr
 def test_every_part_of_the_cap_of_a_hollow_body_is_asked() -> None:
     """Two hollow boxes whose caps do not meet: regions overlap, and none of them contains the other.
 
-    [0, 10]^3 without (4, 6)^3 and [2, 8]^3: of the first cap only the part in the hole is in the second region.
+    [0, 10]^3 without (4, 6)^3 and [2, 8]^3: of the first cap only the part in the hole is in the second one.
     """
     bodies = hollow(1.0, 9.0, (3.0, 7.0)), hollow(4.5, 5.5, (4.75, 5.25))
     for caps, expected in (
