@@ -135,8 +135,8 @@ def is_holding(front: FrontInSpace, cell: Cell) -> bool:
 
 def is_crossed(front: FrontInSpace, cell: Cell) -> bool:
     """Whether a face of the front, or an inner segment, is in the way of the cell."""
-    walls = [*front.faces, *front.threads]
-    return any(is_overlapping(front, cell, one) for one in walls)
+    barriers = [*front.faces, *front.threads]
+    return any(is_overlapping(front, cell, one) for one in barriers)
 
 
 def is_overlapping(front: FrontInSpace, cell: Cell, other: Sequence[int]) -> bool:

@@ -17,7 +17,7 @@ __all__ = ["front_items3", "space_front_frames"]
 
 IN_WORDS = {"put aside": " in a wider search", "all vertices": " of all vertices"}
 WINDOW_MARGIN = 0.1
-LAST_SHRINK = 0.7  # the cells in the end, with room between them
+MADE_SHRINK = 0.5  # cells that were made before, with room between them
 
 
 def front_items3(points: Any, faces: Iterable[Sequence[int]], *, names: bool = True) -> list[dict[str, Any]]:
@@ -82,7 +82,7 @@ def space_front_frames(
         cells.append([*step.face, step.chosen])
         front = list(step.front)
     places = np.array(have)
-    last = [bodies("accepted", cells, places, shrink=LAST_SHRINK, opacity=0.9), *front_items3(places, front)]
+    last = [bodies("accepted", cells, places, shrink=MADE_SHRINK, opacity=0.9), *front_items3(places, front)]
     if not front:
         last.append(item3("labels", "vertex", places, text=range(len(places))))
     ending = f"the front is stuck, with {len(front)} faces" if front else "the front is empty"
@@ -107,7 +107,7 @@ def _tried(
     middle = places[face].mean(axis=0)
     walls, *lines = front_items3(places, front)
     items = [
-        bodies("accepted", cells, places, opacity=0.2),  # faint, so that the one cell is seen
+        bodies("accepted", cells, places, shrink=MADE_SHRINK, opacity=0.2),  # faint: the one cell is seen
         walls | {"opacity": 0.12},
         *lines,
         bodies("highlight", [[*face, step.chosen]], places, shrink=1.0, opacity=0.8),
