@@ -6,9 +6,11 @@ first edge AB, and puts the ideal point X ahead of it. The vertices of the front
 middle M of AB, and X, are tried in the order of their distance from M. The first one that passes all tests is
 taken, and the front changes by the symmetric difference with the sides of the triangle.
 
-A valid vertex always exists, so that the front never sticks in the plane. *Theorem.* Each edge AB of the
-front has a vertex C of the front such that ABC passes all tests. *Proof.* What is on the left of the front is
-a polygonal region, perhaps with holes and loose vertices. It has a triangulation without further vertices:
+A valid vertex always exists, so that the front never sticks in the plane. *Theorem.* If the boundary is valid
+and all triangles so far have passed the tests, each edge AB of the front has a vertex C of the front, or a
+loose one, such that ABC passes them, too. *Proof.* What is on the left of the front is a polygonal region,
+perhaps with holes and loose vertices; no vertex, loose or not, lies inside an edge of the front, since no
+triangle had another one on a side. The region has a triangulation without further vertices:
 one inserts diagonals between vertices, of which there is one as long as a piece is not an empty triangle.
 (Take the leftmost corner v of the piece and its neighbors u and w. Either uw is a diagonal, or the triangle
 uvw contains vertices; then the one that is farthest from uw is visible from v.) This triangulation has a
