@@ -170,7 +170,36 @@ def test_a_dragged_point_is_reported_to_python(show):
     assert dragged["handle"] == "P" and abs(dragged["x"] - 0.25) < 0.02 and abs(dragged["y"] - 0.75) < 0.02
 
 
-def test_a_step_takes_less_than_a_tenth_of_a_second(show):
+def redrawing(page, change, shapes):
+    """The time of a change, as a multiple of that for an empty page to take in so many triangles.
+
+    Both are measured in turn, and the quickest of seven counts: so it says how much is drawn for a change,
+    not how quick this machine is or what else it does.
+    """
+    page.evaluate("() => { window.requestAnimationFrame = (call) => call(); }")  # no wait for the screen
+    return page.evaluate(
+        """([change, shapes]) => {
+        const path = (i) => `<path d="M${i % 97} ${i % 89}L${i % 83} ${i % 79}L${i % 73} ${i % 71}Z"/>`;
+        const drawing = "<svg>" + Array.from({ length: shapes }, (_, i) => path(i)).join("") + "</svg>";
+        const changed = Function("i", change), took = [[], []];
+        const box = document.body.appendChild(document.createElement("div"));
+        for (let i = 0; i < 7; i++) {
+            box.innerHTML = "";
+            const start = performance.now();
+            box.innerHTML = drawing;
+            const middle = performance.now();
+            changed(i);
+            took[0].push(middle - start);
+            took[1].push(performance.now() - middle);
+        }
+        box.remove();
+        return Math.min(...took[1]) / Math.min(...took[0]);
+    }""",
+        [change, shapes],
+    )
+
+
+def test_a_step_draws_what_it_shows_once(show):
     """With a thousand triangles and their circles in the picture."""
     rng = np.random.default_rng(1)
     big = [
@@ -182,14 +211,7 @@ def test_a_step_takes_less_than_a_tenth_of_a_second(show):
         for _ in range(2)
     ]
     page = show(view.player(big, alt="a test."))
-    took = page.evaluate(
-        """() => [1, 0, 1].map((i) => {
-            const start = performance.now();
-            model.set("index", i);
-            return performance.now() - start;
-        })"""
-    )
-    assert sorted(took)[1] < 100, took
+    assert redrawing(page, "model.set('index', (i + 1) % 2)", 2000) < 12
 
 
 @pytest.mark.parametrize("dark", [False, True])
@@ -309,23 +331,13 @@ def test_both_renderers_have_the_same_faces():
     assert f'INNER = "{INNER}"' in script
 
 
-def test_two_thousand_cells_turn_in_a_tenth_of_a_second(show):
+def test_two_thousand_cells_turn_quickly(show):
     rng = np.random.default_rng(0)
     points = rng.random((8000, 3)) * 0.1 + np.repeat(rng.random((2000, 3)), 4, axis=0)
     page = show(
         view.view3d([view.item3("cells", "cell", np.arange(8000).reshape(-1, 4), points)], alt="many.")
     )
-    page.evaluate(
-        "() => { window.requestAnimationFrame = (call) => call(); }"
-    )  # without the wait for the screen
-    took = page.evaluate(
-        """() => [10, 20, 30, 40, 50].map((azimuth) => {
-        const start = performance.now();
-        model.set("azimuth", azimuth);
-        return performance.now() - start;
-    })"""
-    )
-    assert sorted(took)[1] < 100, took
+    assert redrawing(page, "model.set('azimuth', 10 * i + 5)", 8000) < 12
 
 
 def test_another_history_starts_at_its_beginning(show):
@@ -338,19 +350,15 @@ def test_another_history_starts_at_its_beginning(show):
     assert page.inner_text(".unstruct-caption") == second["frames"][0]["caption"]
 
 
-def test_the_nasty_window_is_drawn_in_a_tenth_of_a_second(show):
+def test_the_nasty_window_is_drawn_quickly(show):
     frame = view.empty_circle_state(0, 0, "nasty: neighboring doubles")
     page = show(view.player([frame], alt="Signs at a window of neighboring doubles."))
     assert page.locator("[data-kind=points] path").count() == 33**2 + 1
-    took = page.evaluate(
-        """() => [1, 2, 3].map(() => {
-        const start = performance.now();
+    change = """
         const [frame] = model.get("frames");
         model.set("frames", [{ ...frame, caption: frame.caption + "." }]);
-        return performance.now() - start;
-    })"""
-    )
-    assert sorted(took)[1] < 100, took
+    """
+    assert redrawing(page, change, 33**2 + 1) < 12
 
 
 def grown(preset, x, y):
@@ -400,7 +408,7 @@ def test_a_drag_goes_to_the_nearest_state_of_a_panel(show):
     assert page.input_value("input[data-axis='1']") == "3"
 
 
-def test_a_state_of_a_large_panel_is_drawn_in_a_tenth_of_a_second(show):
+def test_a_state_of_a_large_panel_is_drawn_quickly(show):
     points = np.random.default_rng(2).random((500, 3, 2))
     page = show(
         view.panel(
@@ -411,11 +419,4 @@ def test_a_state_of_a_large_panel_is_drawn_in_a_tenth_of_a_second(show):
             alt="many triangles.",
         )
     )
-    took = page.evaluate(
-        """() => [5, 50, 95].map((variant) => {
-            const start = performance.now();
-            model.set("variant", variant);
-            return performance.now() - start;
-        })"""
-    )
-    assert sorted(took)[1] < 100, took
+    assert redrawing(page, "model.set('variant', 13 * i + 5)", 501) < 12
