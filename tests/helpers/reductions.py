@@ -41,7 +41,7 @@ def count_reductions(total: int, seed: int = 0, batch: int = 25) -> Counter:
         count["insertions"] += batch
         count["reduced"] += int(record.reduced.sum())
         count["hidden facets"] += int(record.hidden.sum())
-        count["cells dropped"] += int(record.dropped.sum())
+        count["cells spared"] += int(record.spared.sum())
         count["rounds"] += int(record.rounds.sum())
         count["vertices lost"] += len(result.points) - len(np.unique(result.simplices))
         count["largest component"] = max(count["largest component"], int(record.component.max()))

@@ -28,8 +28,8 @@ class Step:
     holders: frozenset[Cell]  # the closed cells that hold the point
     cavity: frozenset[Cell]  # B(P): all cells whose open ball holds the point
     component: frozenset[Cell]  # its piece around the point, joined through facets
-    dropped: tuple[tuple[Cell, Facet], ...]  # the reductions, in order: a cell, and its hidden facet
-    kept: frozenset[Cell]  # the component after the reductions: the cells that go
+    spared: tuple[tuple[Cell, Facet], ...]  # the reductions, in order: a cell that stays, its hidden facet
+    deleted: frozenset[Cell]  # the component after the reductions: the cells that go
     star: frozenset[Cell]  # the cells that come
     cells: frozenset[Cell]  # all cells afterwards
 
@@ -59,17 +59,17 @@ def insert(
     if any(exact[v] == exact[vertex] for cell in holders for v in cell):
         return Step(vertex, nothing, nothing, nothing, (), nothing, nothing, cells)
     cavity = generalized_cavity(exact, cells, vertex)
-    component = kept = principal_component(cavity, holders)
-    dropped: list[tuple[Cell, Facet]] = []
-    while behind := hidden(exact, cells, kept, vertex):
+    component = deleted = principal_component(cavity, holders)
+    spared: tuple[tuple[Cell, Facet], ...] = ()
+    while behind := hidden(exact, cells, deleted, vertex):
         if not reduce:
             what = f"facet {sorted(behind[0][1])} is hidden from vertex {vertex}"
             raise MeshError(f"{what}: allow reduction")
-        dropped.append(behind[0])
-        kept = principal_component(kept - {behind[0][0]}, holders)
-    new = star(exact, kept, vertex)
-    done = (cells - kept) | new
-    return Step(vertex, holders, cavity, component, tuple(dropped), kept, new, done)
+        spared += (behind[0],)
+        deleted = principal_component(deleted - {behind[0][0]}, holders)
+    new = star(exact, deleted, vertex)
+    done = (cells - deleted) | new
+    return Step(vertex, holders, cavity, component, spared, deleted, new, done)
 
 
 def holds(points: Points, cell: Cell, vertex: int) -> bool:

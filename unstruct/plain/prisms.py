@@ -13,8 +13,8 @@ from math import sqrt
 from typing import Any
 
 __all__ = [
-    "Points", "Triangle", "Vector", "column_limit", "cross", "exact", "graded_heights", "layer_places",
-    "minus", "normal_of", "quadratics", "scalar", "summed", "unit", "wedge_is_positive",
+    "Points", "Triangle", "Vector", "column_limit", "cross", "exact", "graded_heights", "is_positive",
+    "layer_places", "minus", "normal_of", "quadratics", "scalar", "summed", "unit", "wedge_is_positive",
 ]  # fmt: skip
 
 Vector = tuple[Any, Any, Any]
@@ -79,15 +79,13 @@ def wedge_is_positive(base: Points, cap: Points) -> bool:
     """Whether the Jacobian of a wedge is positive: its quadratics are, on [0, 1]."""
     below, above = [exact(p) for p in base], [exact(p) for p in cap]
     rays = [minus(q, p) for p, q in zip(below, above)]
-    return all(_positive(*q) for q in quadratics(below, rays))
+    return all(is_positive(*q) for q in quadratics(below, rays))
 
 
-def _positive(c0: Fraction, c1: Fraction, c2: Fraction) -> bool:
-    """Whether c0 + c1 t + c2 t^2 is positive on [0, 1]."""
-    if c0 <= 0 or c0 + c1 + c2 <= 0:
-        return False
-    lowest_inside = c2 > 0 and 0 < -c1 < 2 * c2
-    return not lowest_inside or 4 * c0 * c2 > c1 * c1
+def is_positive(c0: Fraction, c1: Fraction, c2: Fraction) -> bool:
+    """Whether c0 + c1 t + c2 t^2 is positive on [0, 1], by its Bernstein coefficients."""
+    b0, b1, b2 = c0, c0 + c1 / 2, c0 + c1 + c2
+    return b0 > 0 and b2 > 0 and (b1 >= 0 or b1 * b1 < b0 * b2)
 
 
 def column_limit(base: Points, rays: Points) -> float:

@@ -48,7 +48,7 @@ def test_hidden_facet_in_space_is_reduced():
     good(mesh, 20 / 6)
     growing = Baker(mesh)
     record = growing.insert([HIDDEN_FACET_P])
-    assert record.component == [3] and record.hidden == [1] and record.dropped == [1] and record.kept == [2]
+    assert record.component == [3] and record.hidden == [1] and record.spared == [1] and record.deleted == [2]
     result = growing.mesh()
     good(result, 20 / 6)
     assert {0, 1, 2, 3} in cells_of(result.simplices), "the owner of the hidden facet stays"

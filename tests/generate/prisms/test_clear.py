@@ -137,6 +137,33 @@ def test_surrounded_asks_only_what_is_near() -> None:
     assert len(surrounded(skin, rows, moves)) == 0
 
 
+def hollow(low: float, high: float, hole: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """The surface of a cube with a cubic hole in it, each from a lowest to a highest coordinate."""
+    outer, inner = Domain.box((low,) * 3, (high,) * 3), Domain.box((hole[0],) * 3, (hole[1],) * 3)
+    rows = outer.triangulated.triangles, inner.triangulated.triangles[:, ::-1] + len(outer.points)
+    return np.concatenate([outer.points, inner.points]), np.concatenate(rows)
+
+
+def test_every_part_of_the_cap_of_a_hollow_body_is_asked() -> None:
+    """Two hollow boxes whose caps do not meet: regions overlap, and none of them contains the other.
+
+    [0, 10]^3 without (4, 6)^3 and [2, 8]^3: of the first cap only the part in the hole is in the second one.
+    """
+    bodies = hollow(1.0, 9.0, (3.0, 7.0)), hollow(4.5, 5.5, (4.75, 5.25))
+    for caps, expected in (
+        ((hollow(0.0, 10.0, (4.0, 6.0)), hollow(2.0, 8.0, (4.9, 5.1))), list(range(8, 24))),
+        ((hollow(0.0, 10.0, (3.5, 6.5)), hollow(4.25, 5.75, (4.9, 5.1))), []),
+    ):
+        domain, tops = together(*bodies), np.concatenate([points for points, _ in caps])
+        points, rows = domain.points, np.concatenate([bodies[0][1], bodies[1][1] + 16]).astype(np.int32)
+        others = Others(points, np.empty((0, 3), dtype=np.int32), np.empty(0, dtype=np.int32))
+        planes, every = np.full((len(points), 2), -1, dtype=np.int32), np.ones(len(points), dtype=bool)
+        skin = skin_of(others, rows, np.arange(len(points)), tops, every, planes, NO_BORDER, every)
+        assert len(clashes(skin)) == 0 and surrounded(skin, rows, every).tolist() == expected
+    mesh = prismatic_layers(domain, layers=Layers(thickness=2.5, growth=1.1, count=5))
+    assert check(mesh) and mesh.counts["limited: crossing"] > 0 and mesh.counts["collapsed"] == 0
+
+
 @pytest.mark.parametrize("share", [0.5, 0.125, 0.0, -(2.0**-20), -0.5])
 def test_a_cap_that_has_passed_the_center_is_inside_out(share: float) -> None:
     """Of two balls, one with layers inside that reach through its center; the other has none."""

@@ -26,7 +26,7 @@ def test_the_whole_range(place: float) -> None:
         one = hidden_facet_state(place, azimuth)
         check_frame(one)
         numbers = [int(part.split("= ")[1]) for part in one["number"].split(", ")]
-        assert numbers == [len(step.component), len(hidden), len(step.kept)]
+        assert numbers == [len(step.component), len(hidden), len(step.deleted)]
         named = one["caption"].removeprefix("hidden from P: ").split(", ")
         expected = {" ".join(map(str, sorted(facet))) for _, facet in hidden}
         assert set(named) == (expected or {"all facets are seen"})

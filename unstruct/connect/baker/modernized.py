@@ -4,7 +4,7 @@ For a new point P, the *generalized cavity* B(P) is the set of cells whose open 
 *principal component* is the part that is connected through facets with the cell of P. If P sees every
 boundary facet of the component from within, its cells are replaced by new cells that join these facets to P.
 If the triangulation is not Delaunay, a facet may be hidden in three dimensions. Then the owner of the facet
-(the cell of the component that has it) is dropped and the component is computed again (*reduction*), or the
+(the cell of the component that has it) is spared and the component is computed again (*reduction*), or the
 point is refused.
 
 **No vertex is lost.** Suppose that all cells at a vertex A in the interior of the mesh are in B(P). The ray
@@ -15,7 +15,7 @@ in that plane.
 
 **Every order of reduction ends with the same cavity.** As long as a cell remains, a facet of it that is
 hidden from P remains hidden, because the cavity only shrinks. So no star-shaped part of the component
-contains such a cell, and dropping only such cells ends with the largest star-shaped part. It contains the
+contains such a cell, and sparing only such cells ends with the largest star-shaped part. It contains the
 cells with P in them, because their union is star-shaped.
 """
 
@@ -54,9 +54,9 @@ class Record:
     component : the number of cells of the principal component
     hidden : the number of facets of the component that the point does not see
     rounds : how often the component was computed again
-    dropped : the number of owners of hidden facets that were dropped in all rounds, without the cells that
-        were cut off with them
-    kept : the number of cells of the star-shaped cavity, which were replaced
+    spared : the number of owners of hidden facets that were spared in all rounds (they stay), without the
+        cells that were cut off with them
+    deleted : the number of cells of the star-shaped cavity, which were replaced
     made : the number of cells that replaced them
     """
 
@@ -65,8 +65,8 @@ class Record:
     component: NDArray[np.int64]
     hidden: NDArray[np.int64]
     rounds: NDArray[np.int64]
-    dropped: NDArray[np.int64]
-    kept: NDArray[np.int64]
+    spared: NDArray[np.int64]
+    deleted: NDArray[np.int64]
     made: NDArray[np.int64]
 
     @property

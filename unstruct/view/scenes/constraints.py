@@ -244,8 +244,7 @@ def principal_component_state(x: float, y: float, preset: str = "two pieces") ->
     used = sets.upsilon_component
     items = [
         *base,
-        fr.polygons("cavity", mesh.corners[np.setdiff1d(sets.gamma_component, used)], opacity=0.3),
-        fr.polygons("waiting", mesh.corners[apart]),
+        fr.polygons("waiting", mesh.corners[np.setdiff1d(sets.gamma, used)]),
         fr.polygons("cavity", mesh.corners[used]),
     ]
     if len(sets.refused_by):

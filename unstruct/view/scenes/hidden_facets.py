@@ -47,7 +47,7 @@ def hidden_facet_state(place: float = 0.5, seen_from: float = -100.0) -> fr.Fram
     Returns
     -------
     dict
-        A frame; its number counts the cells of the component, hidden facets, and the cells that are kept.
+        A frame; its number counts the cells of the component, hidden facets, and the cells that are deleted.
     """
     within("place", place, FIRST_OF_P, LAST_OF_P)
     mesh, p = hiding_mesh(), hiding_place(place)

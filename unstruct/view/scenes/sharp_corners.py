@@ -48,7 +48,7 @@ def sharp_corner_state(angle: float = 40.0, shorter: float = 0.75, halvings: int
     ends = [[way[k] * line[0], way[k] * line[-1]] for k, line in enumerate(lines)]
     items = [fr.segments("constrained", ends), fr.dots("vertex", places)]
     shortest = min(line[1] for line in lines)
-    number = f"{made} halvings; the shortest part at the corner: {shortest:.3g}"
+    number = f"{made} halving{'s' if made != 1 else ''}; the shortest part at the corner: {shortest:.3g}"
     if found is None:
         return fr.frame("no vertex is in a circle: done", *items, number=number, view=SHARP_WINDOW)
     which, low, high, other = found
