@@ -53,7 +53,7 @@ def test_folded_shut_the_hypothesis_fails() -> None:
     assert not pair.legal and pair.inside == (False, False)
     said = fold_state("nasty: very obtuse", 130, 180)
     assert said["caption"].endswith("the triangles lie upon each other")
-    assert said["number"] == "γ + δ = 260°; the far corner is on a sphere"
+    assert said["number"] == "γ + δ = 260°; of c and d, the deeper is on a sphere"
     assert pair.points[2] != pair.points[3]
     assert all(any(folded(shape, 130, 179).inside) for shape in FOLD_SHAPES)
 

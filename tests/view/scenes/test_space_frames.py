@@ -48,3 +48,14 @@ def test_an_insertion_has_four_frames_a_point() -> None:
         check_frame(one)
     assert frames[0]["number"] == "5 cells" and frames[3]["number"] == "5 cells go"
     assert frames[4]["number"] == "12 cells come, 12 in all"
+
+
+def test_cavities_are_listed_by_names() -> None:
+    rows, cells = plain.around([(1, 2, 2), (3, 2, 1)], "cube", 2)
+    steps = list(plain.by_insertion(rows, cells, range(2)))
+    frames = space_insertion_frames(rows, cells, steps, names="XYABCDEFGH")
+    assert frames[1]["caption"] == "point X" and frames[5]["caption"] == "point Y"
+    listed = frames[3]["number"].removeprefix("5 cells go: ").split(", ")
+    assert {frozenset(cell) for cell in listed} == {
+        frozenset("XYABCDEFGH"[v] for v in c) for c in steps[0].cavity
+    }

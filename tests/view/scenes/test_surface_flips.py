@@ -31,6 +31,10 @@ def test_the_frames() -> None:
         check_frame(one)
     assert len(frames) == 8 and [one["view"] for one in frames] == [frames[0]["view"]] * 8
     assert frames[1]["caption"].startswith("DE: the angles at C and F make 287 degrees")
+    for one in frames:  # a circle ends above the ribbon in space, where it means nothing
+        arcs = [item["data"] for item in one["items"] if item["role"] == "circumcircle"]
+        assert all(min(y for pair in arc for _, y in np.reshape(pair, (2, 2))) > -0.4 for arc in arcs)
+        assert len(arcs) == ("make" in one["caption"] and "no angles" not in one["caption"])
 
 
 def test_lengths_remain_when_the_ribbon_is_unrolled() -> None:

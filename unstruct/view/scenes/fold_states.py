@@ -151,7 +151,7 @@ def fold_state(shape: str = "acute at c", angle_at_d: float = 130.0, fold: float
     dict
         Left the pair in space and its plane-centered spheres, right the pair in the plane and its circles; a
         sphere or a circle that contains the far corner is dashed red. The number is the sum of both angles,
-        and how far the far corner that is deepest is inside of a sphere, or outside of both.
+        and how far the corner c or d that is deepest is inside of the other one's sphere, or outside.
     """
     pair = folded(shape, angle_at_d, fold)
     a, b, c, d = (_numbers(p) for p in pair.points)
@@ -176,6 +176,6 @@ def fold_state(shape: str = "acute at c", angle_at_d: float = 130.0, fold: float
     total = _angle(pair.points[2]) + _angle(pair.points[3])
     where = "on a sphere" if depth > -SHOWN_ZERO else f"{-depth:.2f} outside"
     where = f"{depth:.2f} inside" if any(pair.inside) else where
-    made["number"] = f"γ + δ = {total:.0f}°; the far corner is {where}"
+    made["number"] = f"γ + δ = {total:.0f}°; of c and d, the deeper is {where}"
     made["view"] = FOLD_WINDOW
     return made

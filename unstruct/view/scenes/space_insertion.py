@@ -21,6 +21,7 @@ def space_insertion_frames(
     cells: Iterable[Sequence[int]],
     steps: Iterable[Any],
     *,
+    names: Sequence[str] | None = None,
     azimuth: float = -60.0,
     elevation: float = 18.0,
 ) -> list[fr.Frame]:
@@ -31,6 +32,8 @@ def space_insertion_frames(
     points : n points of three numbers
     cells : the cells before the first step, as rows of vertices
     steps : objects with vertex, cavity, star and cells, as those of ``unstruct.plain.bowyer_watson_space``
+    names : sequence of str, optional
+        What the vertices are called, in place of their numbers; the cells of each cavity are then listed.
     azimuth, elevation : float
         The direction from which all frames are seen, in degrees.
     """
@@ -38,11 +41,12 @@ def space_insertion_frames(
     seen = {"azimuth": azimuth, "elevation": elevation}
     now = {tuple(cell) for cell in cells}
     made = [space_frame(_wires(places, now), "the start", number=f"{len(now)} cells", **seen)]
+    called = str if names is None else names.__getitem__
     for step in steps:
         p = places[step.vertex]
         dot = [
             item3("points", "inserted", [p]),
-            item3("labels", "inserted", [p], text=[step.vertex]),
+            item3("labels", "inserted", [p], text=[called(step.vertex)]),
         ]
         wires = _wires(places, now)
         first = list(min(step.cavity))
@@ -50,7 +54,8 @@ def space_insertion_frames(
         sphere = item3("spheres", "circumcircle", [[*center, radius]])
         cavity = bodies("cavity", sorted(step.cavity), places, opacity=0.9)
         star = bodies("accepted", sorted(step.star), places, opacity=0.9)
-        count, born, v = len(step.cavity), len(step.star), step.vertex
+        count, born, v = len(step.cavity), len(step.star), called(step.vertex)
+        gone = "" if names is None else ": " + _listed(step.cavity, names)
         made += [
             space_frame([*wires, *dot], f"point {v}", number=f"{len(now)} cells", **seen),
             space_frame(
@@ -59,7 +64,7 @@ def space_insertion_frames(
                 number=f"1 of {count} such cells",
                 **seen,
             ),
-            space_frame([*wires, cavity, *dot], "the cavity", number=f"{count} cells go", **seen),
+            space_frame([*wires, cavity, *dot], "the cavity", number=f"{count} cells go{gone}", **seen),
             space_frame(
                 [*_wires(places, step.cells), star, *dot],
                 f"its faces joined to {v}",
@@ -69,6 +74,10 @@ def space_insertion_frames(
         ]
         now = set(step.cells)
     return made
+
+
+def _listed(cells: Iterable[Sequence[int]], names: Sequence[str]) -> str:
+    return ", ".join("".join(names[v] for v in cell) for cell in sorted(map(sorted, cells)))
 
 
 def _wires(places: np.ndarray, cells: Iterable[Sequence[int]]) -> list[dict[str, Any]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import degrees, dist, sqrt
+from math import cos, degrees, dist, pi, sin, sqrt
 from typing import Any
 
 from ...plain import intrinsic_delaunay as plain
@@ -14,6 +14,8 @@ __all__ = ["RIBBON_NAMES", "ribbon", "ribbon_flips", "surface_flip_frames", "unr
 
 RIBBON_NAMES = "ABCDEFGH"
 RIBBON_WINDOW = [-0.5, 4.6, -2.3, 1.9]
+LOWEST_ARC = -0.35  # circles belong to the unrolled ribbon and end above the one in space
+ARC_DASH, ARC_GAP = 0.09, 0.07
 SPACE_OFFSET = (0.2, -2.0)  # where the ribbon in space is drawn, below the unrolled one
 SEEN_RIGHT, SEEN_UP = (1.0, -0.4, 0.0), (-0.1, 0.5, 0.9)  # a view from above, as sums of coordinates
 Point = tuple[float, float, float]
@@ -124,6 +126,15 @@ def _circle(p: Flat, q: Flat, r: Flat) -> tuple[Flat, float]:
     return (p[0] + cx, p[1] + cy), sqrt(cx * cx + cy * cy)
 
 
+def _arc(center: Flat, radius: float) -> fr.Item:
+    """The part of a circle at the unrolled ribbon, as dashes."""
+    count = int(2 * pi * radius / (ARC_DASH + ARC_GAP))
+    turn, dash = 2 * pi / count, ARC_DASH / radius
+    at = lambda t: (center[0] + radius * cos(t), center[1] + radius * sin(t))  # noqa: E731
+    dashes = [(at(k * turn), at(k * turn + dash)) for k in range(count)]
+    return fr.segments("circumcircle", [pair for pair in dashes if min(y for _, y in pair) > LOWEST_ARC])
+
+
 def surface_flip_frames() -> list[fr.Frame]:
     """The ribbon, its flips one by one, and the result."""
     points, triangles = ribbon()
@@ -161,7 +172,7 @@ def surface_flip_frames() -> list[fr.Frame]:
             drawn(
                 f"{name((a, b))}: the angles at {corners} make {step['angles']:.0f} degrees",
                 step,
-                fr.circles("circumcircle", [center], [radius]),
+                _arc(center, radius),
                 lines("bad", [(a, b)]),
             ),
             drawn(f"{name(far)} takes its place", after, lines("inserted", [far])),
