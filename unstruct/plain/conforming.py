@@ -94,7 +94,7 @@ def fan(
     """How often each segment from (0, 0) to an end must be halved, round by round.
 
     Only the half next to the center is looked at, and only the ends of such halves as
-    obstacles. All other points can but force more splits. The list ends where nothing
+    obstacles. All other points can only force more splits. The list ends where nothing
     is missing, or where a state repeats an earlier one on a smaller scale (`period`).
     """
     states: list[tuple[int, ...]] = []

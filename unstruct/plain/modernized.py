@@ -102,8 +102,7 @@ def hidden(
 ) -> list[tuple[Cell, Facet]]:
     """The facets of the component that the vertex does not see from within, each with its cell.
 
-    A facet whose plane holds the vertex is hidden too, unless it lies on the hull: there it stays a
-    facet of nothing and is covered anew.
+    A facet whose plane contains the vertex is hidden, too, unless it lies on the hull: then it is left out.
     """
     rim, hull = boundary(component), boundary(cells)
     found = []
