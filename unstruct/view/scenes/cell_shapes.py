@@ -43,9 +43,10 @@ def cell_shape_state(height: float = 1.4, width: float = 1.0, seen_from: float =
         item3("points", "vertex", corners),
         item3("labels", "vertex", corners * [1.12, 1.12, 1.0] + [0.0, 0.0, 0.08], text="ABCD"),
     ]
-    said = "a round cell" if q >= 0.3 else "a thin cell: R/l is large"
-    if q < 0.3 and ratio < 1:
-        said = "a sliver: R/l does not see it"
+    if q >= 0.3:
+        said = "a round cell" if q >= 0.7 else "neither round nor thin"
+    else:
+        said = "a sliver: R/l does not see it" if ratio < 1 else "a thin cell: R/l is large"
     number = (
         f"3r/R {abs(simplex.quality('3r/R', corners)):.2f}, q {q:.2f}, angle {angle:.0f}°, R/l {ratio:.2f}"
     )
