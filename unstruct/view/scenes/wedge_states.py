@@ -27,6 +27,7 @@ PLOT_AT, PLOT_SIZE = (9.4, 1.2), (3.6, 2.8)  # where the graph of the Jacobian s
 PLOT_TOP = 3.2  # the value of the Jacobian at its upper end
 STEPS_OF_CURVE = 40
 ZERO_SECTION = 1e-9  # an area that is zero but for rounding
+SENSES = ("↻", "↺")  # in which a, b, c follow each other in a section, seen from above
 WEDGE_WINDOW = [-5.2, 16.6, -1.6, 5.6]
 
 
@@ -77,7 +78,9 @@ def wedge_state(wedge: str = "six positive corners", height: float = 0.5) -> fr.
         item3("polygons", "accepted" if now > 0 else "bad", [[0, 1, 2]], section),
         item3("labels", "vertex", points, text=("a", "b", "c", "a'", "b'", "c'")),
     ]
-    made = space_frame(scene, wedge, azimuth=-66.0, elevation=30.0)
+    if now:
+        scene.append(item3("labels", "vertex", [section.mean(axis=0)], text=SENSES[now > 0]))
+    made = space_frame(scene, wedge, azimuth=-66.0, elevation=40.0)
     place = np.array(PLOT_AT)
     curve = place + along * [PLOT_SIZE[0], PLOT_SIZE[1] / PLOT_TOP]
     here = place + np.array([height, now]) * [PLOT_SIZE[0], PLOT_SIZE[1] / PLOT_TOP]
