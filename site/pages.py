@@ -131,7 +131,12 @@ def with_entries(text: str, stored: str, wanted: dict[str, list[str]]) -> str:
     names = [name for target in targets for name in wanted.get(target, [])]
     if stored.startswith("# "):
         return text
-    return "".join(f"```{{index}} single: {name}\n```\n\n" for name in dict.fromkeys(names)) + text
+    entries = "".join(f"```{{index}} single: {name}\n```\n\n" for name in dict.fromkeys(names))
+    if not text.startswith("<"):
+        return entries + text
+    place = re.search(r"^(?:> ?)*(?:##|\([\w-]+\)=)", text, flags=re.M)  # HTML takes no anchor: beyond it
+    assert place or not names, f"{names}: no heading or statement"
+    return f"{text[: place.start()]}{entries}{text[place.start() :]}" if place else text
 
 
 def boxed(quote: re.Match[str]) -> str:
