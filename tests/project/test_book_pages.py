@@ -282,3 +282,17 @@ def test_links_lead_to_headings_and_anchors() -> None:
                 assert re.search(rf'^#+ +{title}$|<a id="{title}"', whole, flags=re.M), (
                     f"{page}: {file}#{target}"
                 )
+
+
+@pytest.mark.parametrize("path", sorted(BOOK.glob("*.ipynb")), ids=lambda path: path.stem.split("-")[0])
+def test_links_in_the_text_lead_to_headings_and_anchors(path: Path) -> None:
+    """Written as JupyterLab wants them, with capitals; the website's slugs are made from these."""
+    for cell in notebook(path).cells:
+        if cell.cell_type == "markdown":
+            for file, target in re.findall(r"\]\(([\w.-]+\.ipynb)?#([^)\s]+)\)", cell.source):
+                where = BOOK / (file or path.name)
+                texts = "\n".join(c.source for c in notebook(where).cells if c.cell_type == "markdown")
+                titles = {
+                    title.replace(" ", "-") for title in re.findall(r"^#+ +(.*?)\s*$", texts, flags=re.M)
+                }
+                assert target in titles or f'<a id="{target}"' in texts, f"{cell.id}: {where.name}#{target}"
