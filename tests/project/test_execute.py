@@ -79,3 +79,14 @@ def test_a_failing_cell_stops_and_writes_nothing(tmp_path: Path) -> None:
 def test_an_unknown_name_is_told() -> None:
     with pytest.raises(SystemExit, match="starts with 99"):
         execute.notebooks(["99"])
+
+
+def test_entries_of_the_index_stand_beyond_a_fold() -> None:
+    """HTML takes no anchor: what stood before a fold at the beginning of a cell led nowhere."""
+    stored = "<details><summary>Answer</summary>\n\nFive.\n\n</details>\n\n## The algorithm\n\nA *cavity*."
+    made = pages.with_entries(stored, stored, {"The-algorithm": ["cavity", "star"]})
+    entries = "```{index} single: cavity\n```\n\n```{index} single: star\n```\n\n"
+    assert made == stored.replace("## The", entries + "## The")
+    assert pages.with_entries(stored, stored, {}) == stored
+    plain = "Some words.\n\n## The algorithm"
+    assert pages.with_entries(plain, plain, {"The-algorithm": ["star"]}).startswith("```{index} single: star")

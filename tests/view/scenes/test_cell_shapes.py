@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from unstruct import view
+from unstruct import InputError, view
 from unstruct.plain.filling import shape
 
 PAIRS = list(combinations(range(4), 2))
@@ -45,3 +45,10 @@ def test_nearly_regular_a_sliver_and_a_wedge() -> None:
     assert measures(view.cell_shape_state(1.4, 1.0)) == [1.0, 1.0, 70, 0.61]
     assert "does not see" in view.cell_shape_state(0.1, 1.0)["caption"]
     assert view.cell_shape_state(1.4, 0.05)["caption"] == "a thin cell: R/l is large"
+
+
+def test_flat_cells_are_refused() -> None:
+    with pytest.raises(InputError, match="height"):
+        view.cell_shape_state(0.0, 1.0)
+    with pytest.raises(InputError, match="width"):
+        view.cell_shape_state(1.0, -1.0)

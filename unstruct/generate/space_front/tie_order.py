@@ -88,6 +88,5 @@ def _cut_quadrilaterals(points: NDArray[np.float64], faces: NDArray[np.int64]) -
         cells[todo, 3] = corners[todo, 0]
         cells[todo, 3, axis] += 1.0
         todo = todo[np.asarray(orient(cells[todo])) == 0]
-    on = np.asarray(in_sphere(cells, x[found[:, 3]])) == 0
-    on[todo] = False  # flat triangles, which have no circle
-    return found[on]
+    assert not len(todo), "a given triangle is flat"
+    return found[np.asarray(in_sphere(cells, x[found[:, 3]])) == 0]

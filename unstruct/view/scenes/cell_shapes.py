@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...base.arguments import positive
 from ...geometry import simplex
 from ..draw import frames as fr
 from ..draw.items import item3
@@ -32,7 +33,13 @@ def cell_shape_state(height: float = 1.4, width: float = 1.0, seen_from: float =
     dict
         The cell, with 3r/R, q = 6 sqrt(2) V / L^3 (L^2: the mean square of the edges), the smallest dihedral
         angle in degrees, and the circumradius divided by the shortest edge.
+
+    Raises
+    ------
+    InputError
+        If the cell would be flat: for a height or width that is not positive.
     """
+    height, width = positive(height, "height"), positive(width, "width")
     corners = np.array([[-1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, -width, height], [0.0, width, height]])
     lengths = simplex.edge_lengths(corners)
     q = 6 * np.sqrt(2) * abs(simplex.volume(corners)) / np.mean(lengths**2) ** 1.5
