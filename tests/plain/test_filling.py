@@ -56,6 +56,16 @@ def test_facets_that_are_not_closed() -> None:
         flood(cells, [tuple(sorted(cells[0]))[:3]])
 
 
+@pytest.mark.parametrize("many", range(1, 4))
+def test_one_cell_with_some_of_its_facets(many: int) -> None:
+    """A cell with several faces on the hull: each of them says whether it is inside."""
+    cell, faces = (0, 1, 2, 3), list(combinations(range(4), 3))
+    for some in combinations(faces, many):
+        with pytest.raises(AssertionError, match="not closed"):
+            flood([cell], some)
+    assert flood([cell], faces) == {cell: 1} and flood([cell], []) == {cell: 0}
+
+
 def test_shape() -> None:
     assert shape([(0, 0, 0), (1, 1, 0), (1, 0, 1), (0, 1, 1)], (0, 1, 2, 3)) == 1
     assert shape([(0, 0, 0), (1, 0, 0), (0, 1, 0), (1, 1, 0)], (0, 1, 2, 3)) == 0

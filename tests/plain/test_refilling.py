@@ -29,6 +29,14 @@ def test_two_cells_or_three() -> None:
     assert len(in_the_way(points, cells, 3, 4)) == 2  # one triangle, from both sides
 
 
+def test_an_edge_that_leaves_the_cells() -> None:
+    """Nothing is in the way of 3 4, which passes beside the common face; yet it cannot be had."""
+    points = [(0, 0, 0), (4, 0, 0), (0, 4, 0), (3, 3, 3), (3, 3, -3)]
+    cells = {positive(points, 0, 1, 2, 3), positive(points, 0, 1, 2, 4)}
+    assert not in_the_way(points, cells, 3, 4) and recover_edge(points, cells, 3, 4) is None
+    assert recover_edge(points, cells, 0, 3) == cells
+
+
 def test_forced_faces() -> None:
     """A face that is open in both orientations is in every refill."""
     points = [(0, 0, 0), (4, 0, 0), (0, 4, 0), (1, 1, 3), (1, 1, -3)]

@@ -74,7 +74,10 @@ def flood(cells: Iterable[Cell], facets: Iterable[Face]) -> dict[Cell, int]:
         for face in combinations(cell, 3):
             owners.setdefault(frozenset(face), []).append(cell)
     hull = [(face, own[0]) for face, own in owners.items() if len(own) == 1]
-    parity = {cell: int(face in walls) for face, cell in hull}
+    parity: dict[Cell, int] = {}
+    for side, cell in hull:
+        known = parity.setdefault(cell, int(side in walls))
+        assert known == (side in walls), "the facets are not closed"
     waiting = list(parity)
     while waiting:
         cell = waiting.pop()

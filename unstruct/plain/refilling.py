@@ -88,11 +88,14 @@ def refills(
 
 
 def recover_edge(points: Points, cells: Iterable[Cell], a: int, b: int, most: int = 8) -> Cells | None:
-    """Make ab an edge by refills that lower the number of faces in its way; None where these get stuck."""
+    """Make ab an edge by refills that lower the number of faces in its way.
+
+    None where these get stuck, or where ab leaves the cells.
+    """
     cells = frozenset(cells)
     for step in recovery_steps(points, cells, a, b, most):
         cells = step.cells
-    return None if in_the_way(points, cells, a, b) else cells
+    return cells if any({a, b} <= set(cell) for cell in cells) else None
 
 
 def recovery_steps(
