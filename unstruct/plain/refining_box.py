@@ -60,7 +60,7 @@ def refine_box(points: list[Point], ratio: Any = 2, budget: int = 100) -> Iterat
 
 
 def next_division(points: Points, cells: Iterable[Piece], ratio: Any) -> Division | None:
-    """What the first rule that applies divides, after all rejections; None if no rule applies."""
+    """What the first rule that applies divides, after all rejections; None at the end."""
     smaller = [*subsegments(points), *subfacets(points)]
     waiting = [one for one in smaller if any(encroaches(points, one, p) for p in points)]
     waiting = waiting or bad_cells(points, cells, ratio)
@@ -70,8 +70,10 @@ def next_division(points: Points, cells: Iterable[Piece], ratio: Any) -> Divisio
     rejected: list[Piece] = []
     while True:
         center, _ = smallest_sphere([points[v] for v in piece])
-        hit = [one for one in smaller if len(one) < len(piece) and encroaches(points, one, center)]
-        hit = [one for one in hit if len(one) == 2 or len(hit[0]) == 2 or is_over(points, one, center)]
+        hit = [one for one in smaller if len(one) < len(piece)]
+        hit = [one for one in hit if encroaches(points, one, center)]
+        if not hit or len(hit[0]) == 3:  # no subsegment: the subfacet below the center
+            hit = [one for one in hit if is_over(points, one, center)]
         if not hit:
             return Division(piece, center, tuple(rejected))
         rejected.append(piece)
@@ -79,26 +81,27 @@ def next_division(points: Points, cells: Iterable[Piece], ratio: Any) -> Divisio
 
 
 def encroaches(points: Points, piece: Piece, place: Point) -> bool:
-    """Whether a place is strictly inside of the smallest sphere through the corners of the piece."""
+    """Whether a place is strictly inside of the smallest sphere of the piece."""
     center, square = smallest_sphere([points[v] for v in piece])
     return sum((x - c) ** 2 for x, c in zip(place, center)) < square
 
 
 def smallest_sphere(corners: Points) -> tuple[Point, Fraction]:
-    """The center of the smallest sphere through two, three or four corners, and its squared radius.
+    """The smallest sphere through two, three or four points: center, squared radius.
 
-    With u, v, ... from the first corner to the others, the center is at a u + b v + ... for which its product
-    with each of u, v, ... is half the square of that vector.
+    With u, v, ... from the first corner to the others, the center is at a u + b v + ...
+    for which its product with each of u, v, ... is half the square of that vector.
     """
     first, *others = corners
     ways = [[Fraction(x) - Fraction(y) for x, y in zip(p, first)] for p in others]
     matrix = [[_product(u, v) for v in ways] + [_product(u, u) / 2] for u in ways]
-    for k, row in enumerate(matrix):  # each product of the matrix is positive on the way: no exchange of rows
+    for k, row in enumerate(matrix):  # the pivots are positive: no rows are exchanged
         row[:] = [x / row[k] for x in row]
         for other in matrix:
             if other is not row:
                 other[:] = [x - other[k] * y for x, y in zip(other, row)]
-    offset = [sum(row[-1] * u[i] for row, u in zip(matrix, ways)) for i in range(len(first))]
+    shares = [row[-1] for row in matrix]
+    offset = [_product(shares, column) for column in zip(*ways)]
     return tuple(x + y for x, y in zip(first, offset)), _product(offset, offset)
 
 
