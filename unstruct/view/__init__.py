@@ -172,6 +172,9 @@ from .scenes.swaps import QUADRILATERALS as QUADRILATERALS
 from .scenes.swaps import diagonal_choice_state as diagonal_choice_state
 from .scenes.swaps import swap_history as swap_history
 from .scenes.swaps import swap_state as swap_state
+from .scenes.tapered_states import TAPERED_RULES as TAPERED_RULES
+from .scenes.tapered_states import TAPERED_WIDTHS as TAPERED_WIDTHS
+from .scenes.tapered_states import tapered_state as tapered_state
 from .scenes.tree_meshes import CUT_BOUNDARIES as CUT_BOUNDARIES
 from .scenes.tree_meshes import cut_state as cut_state
 from .scenes.tree_meshes import template_frames as template_frames
