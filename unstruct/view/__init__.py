@@ -50,6 +50,10 @@ from .scenes.corner_states import corner_state as corner_state
 from .scenes.crease_states import CREASE_ANGLES as CREASE_ANGLES
 from .scenes.crease_states import CREASE_RAYS as CREASE_RAYS
 from .scenes.crease_states import crease_state as crease_state
+from .scenes.diagonal_states import DIAGONAL_ROOMS as DIAGONAL_ROOMS
+from .scenes.diagonal_states import DIAGONAL_X as DIAGONAL_X
+from .scenes.diagonal_states import DIAGONAL_Y as DIAGONAL_Y
+from .scenes.diagonal_states import diagonal_state as diagonal_state
 from .scenes.fold_states import FOLD_SHAPES as FOLD_SHAPES
 from .scenes.fold_states import fold_state as fold_state
 from .scenes.fold_states import folded as folded
