@@ -187,7 +187,7 @@ def the_source_has_boxes(path: Path) -> Iterator[str]:
 
 
 def exercises_are_complete(path: Path) -> Iterator[str]:
-    """Four to eight, with hints and folded solutions; one is a proof, in words, one a bug, and one is open."""
+    """Four to eight, with hints and folded solutions; one is a proof in words, one a bug, and one is open."""
     tasks: list[tuple[str, list[Any]]] = []
     for cell in section(path, "exercises"):
         title = re.search(r"^### (.*)$", cell.source, flags=re.M) if cell.cell_type == "markdown" else None
