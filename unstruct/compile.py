@@ -107,6 +107,10 @@ def _segments() -> None:
     renumber(planar_complex(_ring()), 0)  # as for large meshes
 
 
+def _in_parts() -> None:
+    unstruct.mesh_parts(_ring(), 0.05, 2)
+
+
 def _fronts() -> None:
     unstruct.advancing_front(_ring(), 0.5)
     unstruct.advancing_front(_ring(), _grid)
@@ -189,6 +193,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "bodies": _bodies,
     "points in bodies": _body_points,
     "Voronoi segments": _segments,
+    "in parts": _in_parts,
     "advancing fronts": _fronts,
     "advancing fronts in space": _fronts_in_space,
     "metrics": _metrics,

@@ -33,6 +33,7 @@ generate/volume generate/boundary generate/volume_points generate/refinement gen
 generate/improve generate/rebay generate/bodies generate/surface generate/advancing
 generate/space_front generate/front generate/layers generate/prisms
 generate/tree generate/tree_regions generate/stuffing generate/hexahedra generate/planting
+generate/parallel
 assess examples
 view/draw view/scenes view/widgets view
 command __main__

@@ -99,6 +99,8 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
         ),
         "front_delaunay": (u.front_delaunay, (SQUARE, 0.3), {}),
         "advancing_layers": (u.advancing_layers, (SQUARE, 0.2), {"layers": LAYERS, "walls": ["a"]}),
+        "mesh_parts": (u.mesh_parts, (SQUARE, 0.1, 2), {}),
+        "Parts.join": (u.mesh_parts(SQUARE, 0.1, 2, join=False).join, (), {}),
         "surface_delaunay": (u.surface_delaunay, (SURFACE,), {}),
         "curvature": (u.curvature, (SURFACE,), {}),
         "surface_criteria": (studies.surface_criteria, (SURFACE,), {}),
