@@ -77,7 +77,7 @@ def coarse_triangles(domain: Domain, size: Any, parts: int) -> Coarse:
         field = as_size(one)
         found[name] = SizeField(partial(_smaller, near, field, factor), landmarks=field.landmarks)
     mesh = _meshed(straight, found if isinstance(size, Mapping) else found[None], True)
-    return Coarse(sampled, mesh, predicted(mesh, size))
+    return Coarse(sampled, mesh, np.maximum(predicted(mesh, size), 1.0))  # short pieces make small cells
 
 
 def _meshed(straight: Domain, size: Any, finish: bool) -> DomainMesh:
