@@ -125,7 +125,7 @@ def mesh_parts(
     progress : bool
         Show a bar of the parts that are done.
     options : optional
-        Those of the method.
+        Those of the method. A ``history`` stays in the meshes of the parts (``join=False``).
 
     Returns
     -------
