@@ -4,7 +4,7 @@ The region is where a function d is negative, its boundary where d = 0; elsewher
 boundary. A second function h gives the wanted lengths up to a factor. Points start on a lattice of
 equilateral triangles, thinned out where h is large. Their Delaunay triangles with centroids inside are kept;
 each edge is a bar that pushes its ends apart if it is shorter than its wanted length, and never pulls. The
-wanted lengths are h at the middles, scaled so that the sum of their squares is 1.2^2 times that of the present
+wanted lengths are h at the middles, scaled so that the sum of their squares is 1.44 times that of the present
 lengths: most bars are under pressure, and the points spread to the boundary. Points move with their forces;
 those that leave the region are put back along the gradient of d. When a point has moved far, there is a new
 triangulation.
