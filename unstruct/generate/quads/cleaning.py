@@ -1,0 +1,186 @@
+"""Vertices of quadrilaterals get nearer to four cells each: cells are joined, collapsed, opened, and turned.
+
+See the book, chapter 6c.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...base.jit import apart, inline, kernel
+from .linked import across, are_neighbors, new_cell, place_of, sides_of, without_cell
+from .relaxing import least_sine, relax, ring_of
+from .walking import enough_room, keep, put_back
+
+__all__ = ["clean"]
+
+CHANGE_ROUNDS = 6  # of moves around a change
+FEWEST_INSIDE = 3  # cells at an inner vertex
+
+
+@inline
+def _excess(m, v, more):
+    """The square of how far vertex v would be from its number of cells with so many more."""
+    off = m.degree[v] + more - m.ideal[v]
+    return off * off
+
+
+@inline
+def _may_lose(m, v):
+    return m.degree[v] > (FEWEST_INSIDE if m.free[v] else 1)
+
+
+@apart
+def _join_doublet(m, v):
+    """Two quadrilaterals alone at an inner vertex become one; whether they did."""
+    if not m.free[v] or m.degree[v] != 2:
+        return False
+    t, o = m.at[v, 0], m.at[v, 1]
+    if m.cells[t, 3] < 0 or m.cells[o, 3] < 0:
+        return False
+    j, i = place_of(m.cells, t, v), place_of(m.cells, o, v)
+    a, x, b = m.cells[t, (j + 1) % 4], m.cells[t, (j + 2) % 4], m.cells[t, (j + 3) % 4]
+    y = m.cells[o, (i + 2) % 4]
+    if x == y:
+        return False
+    without_cell(m, t)
+    without_cell(m, o)
+    new_cell(m, t, (a, x, b, y))
+    return True
+
+
+@kernel
+def _collapse(m, t, least, members, rows):
+    """Two opposite corners of a quadrilateral become one vertex, if fewer vertices are irregular then."""
+    for k in range(2):
+        u, w = m.cells[t, k], m.cells[t, k + 2]
+        a, b = m.cells[t, (k + 1) % 4], m.cells[t, (k + 3) % 4]
+        if not m.free[u]:
+            u, w = w, u
+        if not m.free[u] or not _may_lose(m, a) or not _may_lose(m, b):
+            continue
+        more = m.degree[u] - 2
+        if m.degree[w] + more > m.at.shape[1]:
+            continue
+        old = _excess(m, u, 0) + _excess(m, w, 0) + _excess(m, a, 0) + _excess(m, b, 0)
+        if _excess(m, w, more) + _excess(m, a, -1) + _excess(m, b, -1) >= old:
+            continue
+        meeting = False
+        count = ring_of(m, ring_of(m, 0, w), u)
+        for i in range(m.degree[u]):
+            meeting = meeting or (m.at[u, i] != t and place_of(m.cells, m.at[u, i], w) >= 0)
+        if meeting or _common(m, u, w) > 2:
+            continue
+        limit = min(least, least_sine(m, count))
+        keep(m, count)
+        many = m.degree[u]
+        for i in range(many):
+            members[i] = m.at[u, i]
+            for j in range(4):
+                rows[i, j] = m.cells[members[i], j]
+        for i in range(many):
+            o = members[i]
+            without_cell(m, o)
+            if o != t:
+                new_cell(m, o, _with(rows, i, u, w))
+        if m.free[w]:
+            m.xy[w, 0], m.xy[w, 1] = 0.5 * (m.xy[w, 0] + m.xy[u, 0]), 0.5 * (m.xy[w, 1] + m.xy[u, 1])
+        relax(m, count, CHANGE_ROUNDS)
+        if least_sine(m, count) >= limit:
+            return True
+        put_back(m, count)
+        for i in range(many):
+            without_cell(m, members[i])
+        for i in range(many):
+            new_cell(m, members[i], (rows[i, 0], rows[i, 1], rows[i, 2], rows[i, 3]))
+    return False
+
+
+@inline
+def _with(rows, i, u, w):
+    """The corners in a row, with w in the place of u."""
+    return (
+        w if rows[i, 0] == u else rows[i, 0],
+        w if rows[i, 1] == u else rows[i, 1],
+        w if rows[i, 2] == u else rows[i, 2],
+        w if rows[i, 3] == u else rows[i, 3],
+    )
+
+
+@inline
+def _common(m, u, w):
+    """How many neighbors of u, which is inside, are neighbors of w."""
+    count = 0
+    for i in range(m.degree[u]):
+        t = m.at[u, i]
+        v = m.cells[t, (place_of(m.cells, t, u) + 1) % sides_of(m.cells, t)]
+        if are_neighbors(m, v, w):
+            count += 1
+    return count
+
+
+@kernel
+def _turn(m, t, least):
+    """The edge between two quadrilaterals turns in their hexagon, if fewer vertices are irregular then."""
+    for k in range(4):
+        a, b = m.cells[t, k], m.cells[t, (k + 1) % 4]
+        o = across(m, t, a, b)
+        if o < t or m.cells[o, 3] < 0 or not _may_lose(m, a) or not _may_lose(m, b):
+            continue
+        c, d = m.cells[t, (k + 2) % 4], m.cells[t, (k + 3) % 4]
+        j = place_of(m.cells, o, a)
+        e, f = m.cells[o, (j + 1) % 4], m.cells[o, (j + 2) % 4]
+        for turn in range(2):
+            x, y = (e, c) if turn == 0 else (f, d)
+            if x == y or are_neighbors(m, x, y):
+                continue
+            old = _excess(m, a, 0) + _excess(m, b, 0) + _excess(m, x, 0) + _excess(m, y, 0)
+            if _excess(m, a, -1) + _excess(m, b, -1) + _excess(m, x, 1) + _excess(m, y, 1) >= old:
+                continue
+            m.ring[0], m.ring[1], m.ring[2], m.ring[3], m.ring[4], m.ring[5] = a, e, f, b, c, d
+            if not enough_room(m, 6, 2):
+                continue
+            keep(m, 6)
+            limit = min(least, least_sine(m, 6))
+            without_cell(m, t)
+            without_cell(m, o)
+            if turn == 0:
+                new_cell(m, t, (e, f, b, c))
+                new_cell(m, o, (e, c, d, a))
+            else:
+                new_cell(m, t, (f, b, c, d))
+                new_cell(m, o, (f, d, a, e))
+            relax(m, 6, CHANGE_ROUNDS)
+            if least_sine(m, 6) >= limit:
+                return True
+            put_back(m, 6)
+            without_cell(m, t)
+            without_cell(m, o)
+            new_cell(m, t, (a, b, c, d))
+            new_cell(m, o, (b, a, e, f))
+    return False
+
+
+@kernel
+def clean(m, least, rounds, counts):
+    """Changes that bring vertices nearer to their numbers of cells, until there are none.
+
+    No sine of an angle is less than ``least`` afterwards where it was not before. ``counts`` gets the numbers
+    of doublets joined, quadrilaterals collapsed and edges turned.
+    """
+    members = np.empty(m.at.shape[1], dtype=np.int64)
+    rows = np.empty((m.at.shape[1], 4), dtype=np.int64)
+    for _ in range(rounds):
+        before = counts[0] + counts[1] + counts[2]
+        for v in range(len(m.xy)):
+            if _join_doublet(m, v):
+                counts[0] += 1
+        for t in range(len(m.cells)):
+            if m.cells[t, 3] < 0:
+                continue
+            if _collapse(m, t, least, members, rows):
+                counts[1] += 1
+            elif _turn(m, t, least):
+                counts[2] += 1
+        if counts[0] + counts[1] + counts[2] == before:
+            break

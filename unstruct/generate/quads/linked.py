@@ -1,0 +1,184 @@
+"""Cells of three and of four corners that change: the cells of each vertex, and what is beyond a side.
+
+A cell is a row of four vertices, counterclockwise; the last one is -1 in triangles, and all are in cells that
+are gone. See the book, chapter 6c.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...base.elementary import angle_of
+from ...base.jit import inline, kernel
+
+__all__ = ["Linked", "across", "are_neighbors", "linked", "new_cell", "place_of", "sides_of", "without_cell"]
+
+RIGHT = math.pi / 2
+ROOM = 8  # cells that a vertex may have beyond the largest number at first
+SCRATCH = 512  # vertices around a change
+
+
+class Linked(NamedTuple):
+    """A mesh of triangles and quadrilaterals that is being changed.
+
+    ``at[v, :degree[v]]`` are the cells at vertex v. Vertices that are not ``free`` never move, and stay.
+    ``ideal`` is how many cells a vertex should have. Between fixed vertices there may be closed sides, which
+    no change crosses: those of v are to ``beyond[v]``, CSR rows ``start[v]:start[v + 1]`` of ``ends``.
+    ``ring`` and ``kept`` hold the vertices around a change, and where they were.
+    """
+
+    xy: NDArray[np.float64]
+    cells: NDArray[np.int64]
+    at: NDArray[np.int64]
+    degree: NDArray[np.int64]
+    free: NDArray[np.bool_]
+    ideal: NDArray[np.int64]
+    start: NDArray[np.int64]
+    ends: NDArray[np.int64]
+    ring: NDArray[np.int64]
+    kept: NDArray[np.float64]
+
+
+@inline
+def sides_of(cells, t):
+    """How many corners cell t has."""
+    return 4 if cells[t, 3] >= 0 else 3
+
+
+@inline
+def place_of(cells, t, v):
+    """At which corner of cell t vertex v is, or -1."""
+    for k in range(4):
+        if cells[t, k] == v:
+            return k
+    return -1
+
+
+@inline
+def across(m, t, a, b):
+    """The cell beyond side ab of cell t, in which it is ba; -1 if there is none, or the side is closed."""
+    if not m.free[a] and not m.free[b]:
+        for k in range(m.start[a], m.start[a + 1]):
+            if m.ends[k] == b:
+                return -1
+    for k in range(m.degree[b]):
+        o = m.at[b, k]
+        if o != t:
+            i = place_of(m.cells, o, b)
+            if m.cells[o, (i + 1) % sides_of(m.cells, o)] == a:
+                return o
+    return -1
+
+
+@inline
+def are_neighbors(m, v, w):
+    """Whether an edge joins two vertices."""
+    for i in range(m.degree[v]):
+        t = m.at[v, i]
+        n = sides_of(m.cells, t)
+        k = place_of(m.cells, t, v)
+        if m.cells[t, (k + 1) % n] == w or m.cells[t, (k + n - 1) % n] == w:
+            return True
+    return False
+
+
+@kernel
+def _ideals(m):
+    """How many cells each vertex should have: four, and as many right angles as fit best beside closed sides."""
+    for v in range(len(m.xy)):
+        if m.free[v]:
+            continue
+        total, sectors = 0, 0
+        for i in range(m.degree[v]):
+            t = m.at[v, i]
+            if across(m, t, v, m.cells[t, (place_of(m.cells, t, v) + 1) % sides_of(m.cells, t)]) >= 0:
+                continue
+            angle = 0.0  # of the sector that begins at this side, counterclockwise
+            while t >= 0:
+                n = sides_of(m.cells, t)
+                k = place_of(m.cells, t, v)
+                a, b = m.cells[t, (k + n - 1) % n], m.cells[t, (k + 1) % n]
+                ux, uy = m.xy[b, 0] - m.xy[v, 0], m.xy[b, 1] - m.xy[v, 1]
+                wx, wy = m.xy[a, 0] - m.xy[v, 0], m.xy[a, 1] - m.xy[v, 1]
+                angle += angle_of(ux * wy - uy * wx, ux * wx + uy * wy)
+                t = across(m, t, a, v)
+            total += max(1, int(angle / RIGHT + 0.5))
+            sectors += 1
+        if sectors > 0:
+            m.ideal[v] = total
+
+
+@inline
+def without_cell(m, t):
+    """Take cell t away."""
+    for k in range(4):
+        v = m.cells[t, k]
+        if v >= 0:
+            i = 0
+            while m.at[v, i] != t:
+                i += 1
+            m.degree[v] -= 1
+            m.at[v, i] = m.at[v, m.degree[v]]
+            m.cells[t, k] = -1
+
+
+@inline
+def new_cell(m, t, corners):
+    """Put the cell with these corners at place t, which is empty."""
+    for k in range(4):
+        v = corners[k]
+        m.cells[t, k] = v
+        if v >= 0:
+            m.at[v, m.degree[v]] = t
+            m.degree[v] += 1
+
+
+@kernel
+def _fill(cells, at, degree):
+    for t in range(len(cells)):
+        for k in range(4):
+            v = cells[t, k]
+            if v >= 0:
+                at[v, degree[v]] = t
+                degree[v] += 1
+
+
+def linked(
+    xy: NDArray[np.float64],
+    cells: NDArray[np.int64],
+    fixed: NDArray[np.bool_],
+    closed: NDArray[np.int64],
+) -> Linked:
+    """The record of a mesh.
+
+    Parameters
+    ----------
+    xy : (n, 2) float64
+        Scaled; changed in place later, as ``cells`` is.
+    cells : (m, 4) int64
+    fixed : (n,) bool
+    closed : (s, 2) int64
+        Sides between fixed vertices that stay.
+
+    Returns
+    -------
+    Linked
+    """
+    n = len(xy)
+    most = int(np.bincount(cells[cells >= 0], minlength=n).max(initial=0)) + ROOM
+    at, degree = np.full((n, most), -1, dtype=np.int64), np.zeros(n, dtype=np.int64)
+    _fill(cells, at, degree)
+    both = np.concatenate([closed, closed[:, ::-1]])
+    both = both[np.argsort(both[:, 0], kind="stable")]
+    start = np.searchsorted(both[:, 0], np.arange(n + 1))
+    scratch = max(SCRATCH, 8 * most)
+    m = Linked(
+        xy, cells, at, degree, ~fixed, np.full(n, 4), start, np.ascontiguousarray(both[:, 1]),
+        np.empty(scratch, dtype=np.int64), np.empty((scratch, 2)),
+    )  # fmt: skip
+    _ideals(m)
+    return m
