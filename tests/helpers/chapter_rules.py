@@ -187,7 +187,7 @@ def the_source_has_boxes(path: Path) -> Iterator[str]:
 
 
 def exercises_are_complete(path: Path) -> Iterator[str]:
-    """Four to eight, with hints and folded solutions; one is a proof, in words, and one a bug."""
+    """Four to eight, with hints and folded solutions; one is a proof in words, one a bug, and one is open."""
     tasks: list[tuple[str, list[Any]]] = []
     for cell in section(path, "exercises"):
         title = re.search(r"^### (.*)$", cell.source, flags=re.M) if cell.cell_type == "markdown" else None
@@ -214,6 +214,9 @@ def exercises_are_complete(path: Path) -> Iterator[str]:
     for kind in ("prove", "find the bug"):
         if not any(kind in title.lower() for title, _ in tasks):
             yield f"no exercise has '{kind}' in its title"
+    questions = [cells for title, cells in tasks if "open" in title.lower()]
+    if not any(re.search(r"rubric|good answer", cell.source, re.I) for cells in questions for cell in cells):
+        yield "no exercise has 'open' in its title and says by its rubric what a good answer has"
 
 
 def read_by(*nodes: ast.AST) -> set[str]:

@@ -49,6 +49,8 @@ BROKEN = [
     (r"^### Exercise 4.*", "", "3 exercises; four to eight"),
     (r"^### Exercise 3: find the bug", "### Exercise 3: a fault", "no exercise has 'find the bug'"),
     (r"^### Exercise 2: prove", "### Exercise 2: show", "no exercise has 'prove'"),
+    (r"^### Exercise 4: an open question", "### Exercise 4: a new idea", "no exercise has 'open'"),
+    (r"\*Rubric:\*", "By the way", "no exercise has 'open'"),
     (r"^<details><summary>Solution</summary>", "<details>", "write the proof in Markdown"),
     (r"\*Hint: Thales\.\*", "", "exercise 1 has no .Hint"),
     (r"^\*The height MX", "The height MX", "does not begin with a caption"),

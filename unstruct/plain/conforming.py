@@ -32,7 +32,7 @@ def cotangent(p: Point, u: Point, v: Point) -> Fraction:
 
 
 def missing(points: Sequence[Point], u: Point, v: Point) -> bool:
-    """Is uv an edge of no Delaunay triangulation of the points?"""
+    """Is uv in no Delaunay triangulation of the points (not all on a line)?"""
     seen: dict[int, list[Fraction]] = {1: [], -1: []}
     for p in points:
         side = orient([u, v, p])

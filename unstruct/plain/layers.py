@@ -76,10 +76,11 @@ def march(
     others: Sequence[Point],
     wanted: Callable[[Point], float],
 ) -> list[int]:
-    """How many layers each corner gets; heights are totals after 1, 2, ... layers.
+    """How many layers each corner gets.
 
-    A corner stops before a step that is as long as the front beside it or as the
-    wanted size, before an opposing front, and one layer after a neighbor.
+    Heights are totals along the rays, after 1, 2, ... layers. A corner stops before
+    a step that is as long as the front beside it or as the wanted size, before an
+    opposing front, and one layer after a neighbor.
     """
     n, rays = len(ring), wall_rays(ring)
     level, live = [0] * n, [True] * n

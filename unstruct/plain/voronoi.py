@@ -4,7 +4,7 @@ The cell of a site is what remains of the plane when, for every other site, the 
 nearer to that one is cut away. An unbounded cell would need corners at infinity; instead a *window* is
 laid round all corners that the diagram can have, and a cell is unbounded where it keeps a side of it.
 
-A cell is a tuple of sides, counterclockwise; a side is (start, beyond): the corner where it starts, and
+A cell is a tuple of sides, counterclockwise; a side is (start, beyond): the vertex where it starts, and
 the number of the site beyond it, or None for a side of the window.
 
 Source: G. L. Dirichlet, J. reine angew. Math. 40 (1850) 209-227; G. Voronoi, ibid. 134 (1908) 198-287.
@@ -43,7 +43,7 @@ def dirichlet(sites: Sequence[Sequence[Any]], window: Sequence[Sequence[Any]] | 
     ----------
     sites : n pairs of finite numbers
         Equal sites have equal cells.
-    window : corners of a convex polygon, counterclockwise, optional
+    window : vertices of a convex polygon, counterclockwise, optional
         Where to cut unbounded cells; by default a square round all corners of the diagram.
 
     Returns
@@ -56,13 +56,13 @@ def dirichlet(sites: Sequence[Sequence[Any]], window: Sequence[Sequence[Any]] | 
     n - 1 cuts a cell, O(n^2) in all (the default window O(n^3)), in rational arithmetic: made to be read.
     """
     exact = exact_sites(sites)
-    corners = window_around(exact) if window is None else exact_sites(window)
-    return [dirichlet_cell(exact, i, corners) for i in range(len(exact))]
+    frame = window_around(exact) if window is None else exact_sites(window)
+    return [dirichlet_cell(exact, i, frame) for i in range(len(exact))]
 
 
 def dirichlet_cell(sites: Sequence[Point], i: int, window: Iterable[Point]) -> Cell:
     """The part of the window that is as near to site i as to any other."""
-    cell: Cell = tuple((corner, None) for corner in window)
+    cell: Cell = tuple((vertex, None) for vertex in window)
     for j in range(len(sites)):
         if j != i:
             cell = cut(cell, sites[i], sites[j], j)
@@ -77,7 +77,7 @@ def cut(cell: Cell, p: Point, q: Point, beyond: int) -> Cell:
         f, g = _excess(start, p, q), _excess(end, p, q)
         if f > 0 or (f == 0 and g >= 0):
             kept.append((start, side))
-        elif f == 0:  # the cell is left through a corner, where the new side starts
+        elif f == 0:  # the cell is left through a vertex, where the new side starts
             kept.append((start, beyond))
         if f * g < 0:
             t = f / (f - g)
@@ -120,7 +120,7 @@ def neighbors(cells: Sequence[Cell]) -> set[frozenset[int]]:
 
 
 def corners(cells: Sequence[Cell]) -> set[Point]:
-    """The corners of the diagram: those of the cells that are not made by the window."""
+    """The corners of the diagram: those vertices of the cells that are not made by the window."""
     return {
         start
         for cell in cells

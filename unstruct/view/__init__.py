@@ -50,6 +50,10 @@ from .scenes.corner_states import corner_state as corner_state
 from .scenes.crease_states import CREASE_ANGLES as CREASE_ANGLES
 from .scenes.crease_states import CREASE_RAYS as CREASE_RAYS
 from .scenes.crease_states import crease_state as crease_state
+from .scenes.diagonal_states import DIAGONAL_ROOMS as DIAGONAL_ROOMS
+from .scenes.diagonal_states import DIAGONAL_X as DIAGONAL_X
+from .scenes.diagonal_states import DIAGONAL_Y as DIAGONAL_Y
+from .scenes.diagonal_states import diagonal_state as diagonal_state
 from .scenes.fold_states import FOLD_SHAPES as FOLD_SHAPES
 from .scenes.fold_states import fold_state as fold_state
 from .scenes.fold_states import folded as folded
@@ -172,6 +176,9 @@ from .scenes.swaps import QUADRILATERALS as QUADRILATERALS
 from .scenes.swaps import diagonal_choice_state as diagonal_choice_state
 from .scenes.swaps import swap_history as swap_history
 from .scenes.swaps import swap_state as swap_state
+from .scenes.tapered_states import TAPERED_RULES as TAPERED_RULES
+from .scenes.tapered_states import TAPERED_WIDTHS as TAPERED_WIDTHS
+from .scenes.tapered_states import tapered_state as tapered_state
 from .scenes.tree_meshes import CUT_BOUNDARIES as CUT_BOUNDARIES
 from .scenes.tree_meshes import cut_state as cut_state
 from .scenes.tree_meshes import template_frames as template_frames

@@ -172,7 +172,7 @@ def gift_wrap_frames(mesh: Mesh, *, names: bool = True) -> list[fr.Frame]:
             text = f"Triangle {'–'.join(map(str, cell))} closes {len(closed)} edges"
         else:
             text = (
-                f"An edge is joined to point {new[0]}: the circle is empty"
+                f"Edge {'–'.join(map(str, sorted(set(cell) - set(new))))} takes point {new[0]}"
                 if new
                 else f"Begin with triangle {'–'.join(map(str, cell))}"
             )

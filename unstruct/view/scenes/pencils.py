@@ -61,13 +61,16 @@ def pencil_state(offset: float = 0.0, preset: str = "five points") -> fr.Frame:
     shown = np.abs(own) <= PENCIL_WINDOW[3] - 0.3
     axis = np.column_stack([np.zeros(int(shown.sum())), own[shown]])
     letters = [name for name, y in zip(names, height) if y != 0]
+    # a letter beside a center near AB would lie on the edge
+    near = np.where(axis[:, 1] < 0, -0.36, 0.08)
+    aside = np.column_stack([axis[:, 0] - 0.42, axis[:, 1] + np.where(np.abs(axis[:, 1]) < 0.2, near, -0.12)])
     items: list[Any] = [
         fr.segments("muted", [[(0, PENCIL_WINDOW[2]), (0, PENCIL_WINDOW[3])]]),
         fr.segments("muted", [[(PENCIL_WINDOW[0], 0), (PENCIL_WINDOW[1], 0)]]),
         fr.circles("circumcircle", [(0, offset)], [np.sqrt(1.0 + offset * offset)]),
         fr.segments("front", [PENCIL_ENDS]),
         fr.dots("voronoi", axis),
-        fr.labels("voronoi", axis - [0.42, 0.12], [name for name, seen in zip(letters, shown) if seen]),
+        fr.labels("voronoi", aside, [name for name, seen in zip(letters, shown) if seen]),
         fr.dots("vertex", np.vstack([PENCIL_ENDS, rows[~inside]])),
         fr.dots("bad", rows[inside]),
         fr.labels("vertex", np.vstack([PENCIL_ENDS, rows]), "AB" + names),

@@ -52,8 +52,8 @@ def space_insertion_frames(
         first = list(min(step.cavity))
         center, radius = circumcenter(places[first]), float(circumradius(places[first]))
         sphere = item3("spheres", "circumcircle", [[*center, radius]])
-        cavity = bodies("cavity", sorted(step.cavity), places, opacity=0.9)
-        star = bodies("accepted", sorted(step.star), places, opacity=0.9)
+        cavity = bodies("cavity", sorted(step.cavity), places, shrink=0.7, opacity=0.6)
+        star = bodies("accepted", sorted(step.star), places, shrink=0.7, opacity=0.6)
         count, born, v = len(step.cavity), len(step.star), called(step.vertex)
         gone = "" if names is None else ": " + _listed(step.cavity, names)
         made += [
