@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...base.jit import apart, inline, kernel
-from .linked import across, are_neighbors, new_cell, place_of, sides_of, without_cell
-from .relaxing import least_sine, relax, ring_of
-from .walking import enough_room, keep, put_back
+from .linked import CROWD, ROOM, across, are_neighbors, new_cell, place_of, room_at, sides_of, without_cell
+from .relaxing import relax, ring_of, sines
+from .walking import enough_room, keep, no_worse, put_back
 
 __all__ = ["clean"]
 
@@ -35,7 +35,7 @@ def _join_doublet(m, v):
     """Two quadrilaterals alone at an inner vertex become one; whether they did."""
     if not m.free[v] or m.degree[v] != 2:
         return False
-    t, o = m.at[v, 0], m.at[v, 1]
+    t, o = m.at[m.place[v]], m.at[m.place[v] + 1]
     if m.cells[t, 3] < 0 or m.cells[o, 3] < 0:
         return False
     j, i = place_of(m.cells, t, v), place_of(m.cells, o, v)
@@ -60,22 +60,22 @@ def _collapse(m, t, least, members, rows):
         if not m.free[u] or not _may_lose(m, a) or not _may_lose(m, b):
             continue
         more = m.degree[u] - 2
-        if m.degree[w] + more > m.at.shape[1]:
+        if room_at(m, u) < 1 or room_at(m, w) < max(1, more):
             continue
         old = _excess(m, u, 0) + _excess(m, w, 0) + _excess(m, a, 0) + _excess(m, b, 0)
         if _excess(m, w, more) + _excess(m, a, -1) + _excess(m, b, -1) >= old:
             continue
         meeting = False
         count = ring_of(m, ring_of(m, 0, w), u)
-        for i in range(m.degree[u]):
-            meeting = meeting or (m.at[u, i] != t and place_of(m.cells, m.at[u, i], w) >= 0)
+        for i in range(m.place[u], m.place[u] + m.degree[u]):
+            meeting = meeting or (m.at[i] != t and place_of(m.cells, m.at[i], w) >= 0)
         if meeting or _common(m, u, w) > 2:
             continue
-        limit = min(least, least_sine(m, count))
+        lowest, bad = sines(m, count, least)
         keep(m, count)
         many = m.degree[u]
         for i in range(many):
-            members[i] = m.at[u, i]
+            members[i] = m.at[m.place[u] + i]
             for j in range(4):
                 rows[i, j] = m.cells[members[i], j]
         for i in range(many):
@@ -86,7 +86,7 @@ def _collapse(m, t, least, members, rows):
         if m.free[w]:
             m.xy[w, 0], m.xy[w, 1] = 0.5 * (m.xy[w, 0] + m.xy[u, 0]), 0.5 * (m.xy[w, 1] + m.xy[u, 1])
         relax(m, count, CHANGE_ROUNDS)
-        if least_sine(m, count) >= limit:
+        if no_worse(m, count, least, lowest, bad):
             return True
         put_back(m, count)
         for i in range(many):
@@ -111,8 +111,8 @@ def _with(rows, i, u, w):
 def _common(m, u, w):
     """How many neighbors of u, which is inside, are neighbors of w."""
     count = 0
-    for i in range(m.degree[u]):
-        t = m.at[u, i]
+    for i in range(m.place[u], m.place[u] + m.degree[u]):
+        t = m.at[i]
         v = m.cells[t, (place_of(m.cells, t, u) + 1) % sides_of(m.cells, t)]
         if are_neighbors(m, v, w):
             count += 1
@@ -141,7 +141,7 @@ def _turn(m, t, least):
             if not enough_room(m, 6, 2):
                 continue
             keep(m, 6)
-            limit = min(least, least_sine(m, 6))
+            lowest, bad = sines(m, 6, least)
             without_cell(m, t)
             without_cell(m, o)
             if turn == 0:
@@ -151,7 +151,7 @@ def _turn(m, t, least):
                 new_cell(m, t, (f, b, c, d))
                 new_cell(m, o, (f, d, a, e))
             relax(m, 6, CHANGE_ROUNDS)
-            if least_sine(m, 6) >= limit:
+            if no_worse(m, 6, least, lowest, bad):
                 return True
             put_back(m, 6)
             without_cell(m, t)
@@ -168,8 +168,8 @@ def clean(m, least, rounds, counts):
     No sine of an angle is less than ``least`` afterwards where it was not before. ``counts`` gets the numbers
     of doublets joined, quadrilaterals collapsed and edges turned.
     """
-    members = np.empty(m.at.shape[1], dtype=np.int64)
-    rows = np.empty((m.at.shape[1], 4), dtype=np.int64)
+    members = np.empty(CROWD + ROOM, dtype=np.int64)
+    rows = np.empty((CROWD + ROOM, 4), dtype=np.int64)
     for _ in range(rounds):
         before = counts[0] + counts[1] + counts[2]
         for v in range(len(m.xy)):

@@ -18,10 +18,10 @@ from .walking import walk
 
 __all__ = ["Improved", "improved"]
 
-ROUNDS = 3  # of walking and cleaning
 FIRST_MOVES, LAST_MOVES, CLEANINGS = 3, 20, 10
-LEAST_SINE = 0.3  # of an angle around a change: 17.5 degrees
+LEAST_SINES = (0.5, 0.3, 0.3, 0.15, 0.08)  # of an angle around a change, from round to round
 FARTHEST = 4000  # quadrilaterals that a triangle looks through for another one
+FAILED_STEPS = 30  # of a triangle, until it rests
 
 
 class Improved(NamedTuple):
@@ -68,12 +68,9 @@ def improved(
     m = linked(xy, cells, fixed, closed)
     changes = np.zeros(3, dtype=np.int64)
     moves = relax_everywhere(m, np.ones(len(xy), dtype=bool), FIRST_MOVES)
-    for _ in range(ROUNDS):
-        met, done = walk(m, LEAST_SINE, FARTHEST), int(changes.sum())
-        clean(m, LEAST_SINE, CLEANINGS, changes)
-        counts["pairs won by walking"] += int(met)
-        if not met and done == int(changes.sum()):
-            break
+    for sine in LEAST_SINES:
+        counts["pairs won by walking"] += int(walk(m, sine, FARTHEST, FAILED_STEPS))
+        clean(m, max(sine, LEAST_SINES[1]), CLEANINGS, changes)
     moves += relax_everywhere(m, np.ones(len(xy), dtype=bool), LAST_MOVES)
     assert not spoiled(m), "a cell is not convex"
     counts |= dict(zip(("doublets", "collapsed", "turned"), changes.tolist())) | {"moves": int(moves)}

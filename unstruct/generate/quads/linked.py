@@ -15,25 +15,28 @@ from numpy.typing import NDArray
 from ...base.elementary import angle_of
 from ...base.jit import inline, kernel
 
-__all__ = ["Linked", "across", "are_neighbors", "linked", "new_cell", "place_of", "sides_of", "without_cell"]
+__all__ = ["CROWD", "ROOM", "Linked", "across", "are_neighbors", "linked", "new_cell", "place_of", "room_at", "sides_of",
+           "without_cell"]  # fmt: skip
 
 RIGHT = math.pi / 2
-ROOM = 8  # cells that a vertex may have beyond the largest number at first
-SCRATCH = 512  # vertices around a change
+ROOM = 8  # cells that a vertex may have beyond those at first
+CROWD = 64  # a vertex with more cells gets no others: what is done at a vertex takes time like their square
 
 
 class Linked(NamedTuple):
     """A mesh of triangles and quadrilaterals that is being changed.
 
-    ``at[v, :degree[v]]`` are the cells at vertex v. Vertices that are not ``free`` never move, and stay.
+    The cells at vertex v are the first ``degree[v]`` from ``at[place[v]]`` on; there is room for them up to
+    ``place[v + 1]``. Vertices that are not ``free`` never move, and stay.
     ``ideal`` is how many cells a vertex should have. Between fixed vertices there may be closed sides, which
     no change crosses: those of v are to ``beyond[v]``, CSR rows ``start[v]:start[v + 1]`` of ``ends``.
-    ``ring`` and ``kept`` hold the vertices around a change, and where they were.
+    ``ring`` and ``kept`` hold the vertices around a change, and where they were, ``slopes`` is scratch, too.
     """
 
     xy: NDArray[np.float64]
     cells: NDArray[np.int64]
     at: NDArray[np.int64]
+    place: NDArray[np.int64]
     degree: NDArray[np.int64]
     free: NDArray[np.bool_]
     ideal: NDArray[np.int64]
@@ -41,6 +44,7 @@ class Linked(NamedTuple):
     ends: NDArray[np.int64]
     ring: NDArray[np.int64]
     kept: NDArray[np.float64]
+    slopes: NDArray[np.float64]
 
 
 @inline
@@ -65,25 +69,34 @@ def across(m, t, a, b):
         for k in range(m.start[a], m.start[a + 1]):
             if m.ends[k] == b:
                 return -1
-    for k in range(m.degree[b]):
-        o = m.at[b, k]
+    v = b if m.degree[b] <= m.degree[a] else a  # that of fewer cells
+    for k in range(m.place[v], m.place[v] + m.degree[v]):
+        o = m.at[k]
         if o != t:
             i = place_of(m.cells, o, b)
-            if m.cells[o, (i + 1) % sides_of(m.cells, o)] == a:
+            if i >= 0 and m.cells[o, (i + 1) % sides_of(m.cells, o)] == a:
                 return o
-    return -1
+    return np.int64(-1)
 
 
 @inline
 def are_neighbors(m, v, w):
     """Whether an edge joins two vertices."""
-    for i in range(m.degree[v]):
-        t = m.at[v, i]
+    if m.degree[w] < m.degree[v]:
+        v, w = w, v
+    for i in range(m.place[v], m.place[v] + m.degree[v]):
+        t = m.at[i]
         n = sides_of(m.cells, t)
         k = place_of(m.cells, t, v)
         if m.cells[t, (k + 1) % n] == w or m.cells[t, (k + n - 1) % n] == w:
             return True
     return False
+
+
+@inline
+def room_at(m, v):
+    """How many more cells vertex v may get."""
+    return m.place[v + 1] - m.place[v] - m.degree[v]
 
 
 @kernel
@@ -93,8 +106,8 @@ def _ideals(m):
         if m.free[v]:
             continue
         total, sectors = 0, 0
-        for i in range(m.degree[v]):
-            t = m.at[v, i]
+        for i in range(m.place[v], m.place[v] + m.degree[v]):
+            t = m.at[i]
             if across(m, t, v, m.cells[t, (place_of(m.cells, t, v) + 1) % sides_of(m.cells, t)]) >= 0:
                 continue
             angle = 0.0  # of the sector that begins at this side, counterclockwise
@@ -118,11 +131,11 @@ def without_cell(m, t):
     for k in range(4):
         v = m.cells[t, k]
         if v >= 0:
-            i = 0
-            while m.at[v, i] != t:
+            i = m.place[v]
+            while m.at[i] != t:
                 i += 1
             m.degree[v] -= 1
-            m.at[v, i] = m.at[v, m.degree[v]]
+            m.at[i] = m.at[m.place[v] + m.degree[v]]
             m.cells[t, k] = -1
 
 
@@ -133,17 +146,17 @@ def new_cell(m, t, corners):
         v = corners[k]
         m.cells[t, k] = v
         if v >= 0:
-            m.at[v, m.degree[v]] = t
+            m.at[m.place[v] + m.degree[v]] = t
             m.degree[v] += 1
 
 
 @kernel
-def _fill(cells, at, degree):
+def _fill(cells, at, place, degree):
     for t in range(len(cells)):
         for k in range(4):
             v = cells[t, k]
             if v >= 0:
-                at[v, degree[v]] = t
+                at[place[v] + degree[v]] = t
                 degree[v] += 1
 
 
@@ -169,16 +182,17 @@ def linked(
     Linked
     """
     n = len(xy)
-    most = int(np.bincount(cells[cells >= 0], minlength=n).max(initial=0)) + ROOM
-    at, degree = np.full((n, most), -1, dtype=np.int64), np.zeros(n, dtype=np.int64)
-    _fill(cells, at, degree)
+    many = np.bincount(cells[cells >= 0], minlength=n)
+    place = np.concatenate([[0], np.cumsum(many + np.where(many <= CROWD, ROOM, 0))])
+    at, degree = np.full(place[-1], -1, dtype=np.int64), np.zeros(n, dtype=np.int64)
+    _fill(cells, at, place, degree)
     both = np.concatenate([closed, closed[:, ::-1]])
     both = both[np.argsort(both[:, 0], kind="stable")]
     start = np.searchsorted(both[:, 0], np.arange(n + 1))
-    scratch = max(SCRATCH, 8 * most)
+    scratch = 8 * (CROWD + ROOM)  # the vertices of the cells at two vertices
     m = Linked(
-        xy, cells, at, degree, ~fixed, np.full(n, 4), start, np.ascontiguousarray(both[:, 1]),
-        np.empty(scratch, dtype=np.int64), np.empty((scratch, 2)),
+        xy, cells, at, place, degree, ~fixed, np.full(n, 4), start, np.ascontiguousarray(both[:, 1]),
+        np.empty(scratch, dtype=np.int64), np.empty((scratch, 2)), np.empty(5),
     )  # fmt: skip
     _ideals(m)
     return m

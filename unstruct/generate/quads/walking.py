@@ -16,16 +16,20 @@ See the book, chapter 6c.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
+from numpy.typing import NDArray
 
-from ...base.jit import apart, kernel
-from .linked import across, are_neighbors, new_cell, place_of, sides_of, without_cell
-from .relaxing import least_sine, relax
+from ...base.jit import apart, inline, kernel
+from .linked import across, are_neighbors, new_cell, place_of, room_at, sides_of, without_cell
+from .relaxing import sines, relax
 
-__all__ = ["enough_room", "keep", "merged", "put_back", "stepped", "walk"]
+__all__ = ["enough_room", "keep", "no_worse", "merged", "put_back", "stepped", "walk"]
 
 STEP_ROUNDS = 4  # of moves around a step
 MERGE_ROUNDS = 6
+CERTAIN_SINE = 1e-12
 
 
 @apart
@@ -54,9 +58,20 @@ def _cut_pentagon(m, t, o, i):
 def enough_room(m, count, more):
     """Whether each of the first ``count`` vertices in ``ring`` may have so many cells more."""
     for i in range(count):
-        if m.degree[m.ring[i]] + more > m.at.shape[1]:
+        if room_at(m, m.ring[i]) < more:
             return False
     return True
+
+
+@apart
+def no_worse(m, count, least, lowest, many):
+    """Whether the cells at the vertices in ``ring`` may be as they are now.
+
+    They may if no more sines are below ``least`` than ``many``, and none is below those that were there:
+    `sines` as it was before. Signs of sines are those of the exact areas: rounding is far below `CERTAIN_SINE`.
+    """
+    now, bad = sines(m, count, least)
+    return now >= max(CERTAIN_SINE, min(least, lowest)) and bad <= many
 
 
 @kernel
@@ -77,7 +92,8 @@ def stepped(m, t, o, before, behind, least):
         if not enough_room(m, 5, 2):
             return False
         keep(m, 5)
-        best, chosen = least, -1
+        lowest, many = sines(m, 5, least)
+        best, chosen = -1.0, -1
         for i in range(5):
             p, q, r = m.ring[(i + 4) % 5], m.ring[i], m.ring[(i + 1) % 5]
             if not ((p == before and q == behind) or (q == before and r == behind)):
@@ -86,8 +102,8 @@ def stepped(m, t, o, before, behind, least):
                 continue
             _cut_pentagon(m, t, o, i)
             relax(m, 5, STEP_ROUNDS)
-            sine = least_sine(m, 5)
-            if sine >= best:
+            sine, _ = sines(m, 5, least)
+            if sine > best and no_worse(m, 5, least, lowest, many):
                 best, chosen = sine, i
             put_back(m, 5)
         _cut_pentagon(m, t, o, chosen if chosen >= 0 else 0)
@@ -106,15 +122,16 @@ def merged(m, t, o, least):
         if across(m, t, a, b) != o:
             continue
         c, d = m.cells[t, (k + 2) % 3], m.cells[o, (place_of(m.cells, o, a) + 1) % 3]
-        if c == d:
-            return False
         m.ring[0], m.ring[1], m.ring[2], m.ring[3] = a, d, b, c
+        if c == d or not enough_room(m, 4, 1):
+            return False
         keep(m, 4)
+        lowest, many = sines(m, 4, least)
         without_cell(m, t)
         without_cell(m, o)
         new_cell(m, t, (a, d, b, c))
         relax(m, 4, MERGE_ROUNDS)
-        if least_sine(m, 4) >= least:
+        if no_worse(m, 4, least, lowest, many):
             return True
         put_back(m, 4)
         without_cell(m, t)
@@ -124,73 +141,105 @@ def merged(m, t, o, least):
     return False
 
 
+class Search(NamedTuple):
+    """Scratch of searches: the way back, those to go on from, when each cell was seen last, and the steps
+    that were in vain: from a cell into another one."""
+
+    before: NDArray[np.int64]
+    queue: NDArray[np.int64]
+    seen: NDArray[np.int64]
+    vain: NDArray[np.int64]
+
+
+@inline
+def _in_vain(q, many, s, o):
+    for i in range(many):
+        if q.vain[i, 0] == s and q.vain[i, 1] == o:
+            return True
+    return False
+
+
 @apart
-def _nearest(m, t, far, before, seen, queue):
+def _nearest(m, q, t, number, many, far):
     """The triangle that fewest quadrilaterals are in between, by a search in breadth; -1 if none is near.
 
-    ``before`` has the way back.
+    The first ``many`` steps in ``vain`` are not taken. ``before`` has the way back; ``number`` is the search's.
     """
-    seen[t], before[t], queue[0] = t, -1, t
+    q.seen[t], q.before[t], q.queue[0] = number, -1, t
     head, tail = 0, 1
     while head < tail and tail < far:
-        s = queue[head]
+        s = q.queue[head]
         head += 1
         n = sides_of(m.cells, s)
         for k in range(n):
             o = across(m, s, m.cells[s, k], m.cells[s, (k + 1) % n])
-            if o < 0 or seen[o] == t:
+            if o < 0 or q.seen[o] == number or _in_vain(q, many, s, o):
                 continue
-            seen[o], before[o] = t, s
+            q.seen[o], q.before[o] = number, s
             if m.cells[o, 3] < 0:
                 return o
-            queue[tail] = o
+            q.queue[tail] = o
             tail += 1
-    return -1
+    return np.int64(-1)
 
 
 @apart
-def _walk_to(m, t, way, length, least):
-    """Triangle t walks along ``way[1:length]`` and merges with the last one; whether it did."""
-    for i in range(1, length):
-        o, then = way[i], way[i + 1]
-        found = False
-        for k in range(4):
-            a, b = m.cells[o, k], m.cells[o, (k + 1) % 4]
-            if across(m, o, a, b) == then:
-                found = True
-                if not stepped(m, t, o, a, b, least):
-                    return False
+def _step_on(m, t, o, then, least):
+    """Triangle t walks through o to the side towards ``then``; whether it did."""
+    for k in range(4):
+        a, b = m.cells[o, k], m.cells[o, (k + 1) % 4]
+        if across(m, o, a, b) == then:
+            return stepped(m, t, o, a, b, least)
+    return False
+
+
+@apart
+def _walk_from(m, q, t, number, far, least):
+    """Triangle t walks to the nearest triangle, another way round where a step fails, until they are one.
+
+    Whether they are, and the number of the last search.
+    """
+    many = 0
+    while many < len(q.vain):
+        goal = _nearest(m, q, t, number, many, far)
+        if goal < 0:
+            break
+        length, o = 0, goal
+        while o != t:  # the way is in the queue now
+            q.queue[length] = o
+            length += 1
+            o = q.before[o]
+        o = q.queue[length - 1]
+        for i in range(length - 1, 0, -1):
+            o, then = q.queue[i], q.queue[i - 1]
+            if not _step_on(m, t, o, then, least):
+                q.vain[many, 0], q.vain[many, 1] = o, then
                 break
-        if not found:
-            return False
-    return merged(m, t, way[length], least)
+            o = then
+        else:
+            if merged(m, t, goal, least):
+                return True, number + 1
+            q.vain[many, 0], q.vain[many, 1] = t, goal
+        many += 1
+        number += 1
+    return False, number
 
 
 @kernel
-def walk(m, least, far):
-    """Each triangle in turn walks to the nearest other one.
+def walk(m, least, far, tries):
+    """Each triangle in turn walks to the nearest other one, through at most ``far`` quadrilaterals.
 
-    Returns how many pairs have met; a triangle that cannot go on stays where it has come to.
+    Returns how many pairs have met. After so many failed steps a triangle stays where it has come to.
     """
     size = len(m.cells)
-    before, way = np.empty(size + 4, dtype=np.int64), np.empty(size + 4, dtype=np.int64)
-    queue = np.empty(size + 4, dtype=np.int64)
-    seen = np.full(size, -1, dtype=np.int64)
-    met = 0
+    q = Search(
+        np.empty(size, dtype=np.int64), np.empty(size + 4, dtype=np.int64), np.full(size, -1, dtype=np.int64),
+        np.empty((tries, 2), dtype=np.int64),
+    )  # fmt: skip
+    met, number = 0, np.int64(0)
     for t in range(size):
-        if m.cells[t, 0] < 0 or m.cells[t, 3] >= 0:
-            continue
-        goal = _nearest(m, t, min(far, size), before, seen, queue)
-        if goal < 0:
-            continue
-        length, o = 0, goal
-        while o != t:
-            o = before[o]
-            length += 1
-        o = goal
-        for i in range(length, -1, -1):
-            way[i] = o
-            o = before[o]
-        if _walk_to(m, t, way, length, least):
-            met += 1
+        if m.cells[t, 0] >= 0 and m.cells[t, 3] < 0:
+            found, number = _walk_from(m, q, np.int64(t), number + 1, min(far, size), least)
+            if found:
+                met += 1
     return met
