@@ -6,15 +6,28 @@ See the book, chapter 6c.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...base.jit import apart, inline, kernel
-from .linked import CROWD, ROOM, across, are_neighbors, new_cell, place_of, room_at, sides_of, without_cell
+from .linked import (
+    CROWD,
+    ROOM,
+    Linked,
+    across,
+    are_neighbors,
+    new_cell,
+    place_of,
+    room_at,
+    sides_of,
+    without_cell,
+)
 from .relaxing import relax, ring_of, sines
 from .walking import enough_room, keep, no_worse, put_back
 
 __all__ = ["clean"]
 
 CHANGE_ROUNDS = 6  # of moves around a change
+CHANGES_A_CALL = 5_000  # cells and vertices: Ctrl-C works between calls
 FEWEST_INSIDE = 3  # cells at an inner vertex
 
 
@@ -31,7 +44,7 @@ def _may_lose(m, v):
 
 
 @apart
-def _join_doublet(m, v):
+def _join_doublet(m, v, least):
     """Two quadrilaterals alone at an inner vertex become one; whether they did."""
     if not m.free[v] or m.degree[v] != 2:
         return False
@@ -43,10 +56,22 @@ def _join_doublet(m, v):
     y = m.cells[o, (i + 2) % 4]
     if x == y:
         return False
+    m.ring[0], m.ring[1], m.ring[2], m.ring[3], m.ring[4] = a, x, b, y, v
+    if not enough_room(m, 5, 1):
+        return False
+    keep(m, 5)
+    lowest, bad = sines(m, 5, least)
     without_cell(m, t)
     without_cell(m, o)
     new_cell(m, t, (a, x, b, y))
-    return True
+    relax(m, 4, CHANGE_ROUNDS)
+    if no_worse(m, 4, least, lowest, bad):
+        return True
+    put_back(m, 5)
+    without_cell(m, t)
+    new_cell(m, t, (v, a, x, b))
+    new_cell(m, o, (v, b, y, a))
+    return False
 
 
 @kernel
@@ -162,25 +187,36 @@ def _turn(m, t, least):
 
 
 @kernel
-def clean(m, least, rounds, counts):
+def _clean_some(m, least, start, stop, counts):
+    members, rows = np.empty(CROWD + ROOM, dtype=np.int64), np.empty((CROWD + ROOM, 4), dtype=np.int64)
+    for v in range(start, min(stop, len(m.xy))):
+        if _join_doublet(m, v, least):
+            counts[0] += 1
+    for t in range(start, min(stop, len(m.cells))):
+        if m.cells[t, 3] < 0:
+            continue
+        if _collapse(m, t, least, members, rows):
+            counts[1] += 1
+        elif _turn(m, t, least):
+            counts[2] += 1
+
+
+def clean(m: Linked, least: float, rounds: int, counts: NDArray[np.int64]) -> None:
     """Changes that bring vertices nearer to their numbers of cells, until there are none.
 
-    No sine of an angle is less than ``least`` afterwards where it was not before. ``counts`` gets the numbers
-    of doublets joined, quadrilaterals collapsed and edges turned.
+    Parameters
+    ----------
+    m : Linked
+    least : float
+        No more sines of angles are less afterwards than before.
+    rounds : int
+        The largest number of rounds.
+    counts : (3,) int64
+        Gets the numbers of doublets joined, quadrilaterals collapsed and edges turned.
     """
-    members = np.empty(CROWD + ROOM, dtype=np.int64)
-    rows = np.empty((CROWD + ROOM, 4), dtype=np.int64)
     for _ in range(rounds):
-        before = counts[0] + counts[1] + counts[2]
-        for v in range(len(m.xy)):
-            if _join_doublet(m, v):
-                counts[0] += 1
-        for t in range(len(m.cells)):
-            if m.cells[t, 3] < 0:
-                continue
-            if _collapse(m, t, least, members, rows):
-                counts[1] += 1
-            elif _turn(m, t, least):
-                counts[2] += 1
-        if counts[0] + counts[1] + counts[2] == before:
+        before = counts.sum()
+        for start in range(0, max(len(m.xy), len(m.cells)), CHANGES_A_CALL):
+            _clean_some(m, least, start, start + CHANGES_A_CALL, counts)
+        if counts.sum() == before:
             break

@@ -104,19 +104,17 @@ def _mean(start, ends, pair, v):
 
 
 @kernel
-def _smooth(start, ends, known, pair, sweeps):
-    n = len(known)
-    for sweep in range(sweeps):
-        largest = 0.0
-        for i in range(n):
-            v = i if sweep % 2 == 0 else n - 1 - i
-            if known[v]:
-                continue
-            c, s = _mean(start, ends, pair, v)
-            largest = max(largest, max(abs(c - pair[v, 0]), abs(s - pair[v, 1])))
-            pair[v, 0], pair[v, 1] = c, s
-        if largest < SMALL_CHANGE:
-            break
+def _sweep(start, ends, known, pair, forward):
+    """Each vertex in turn takes the mean of its neighbors; returns the largest change."""
+    n, largest = len(known), 0.0
+    for i in range(n):
+        v = i if forward else n - 1 - i
+        if known[v]:
+            continue
+        c, s = _mean(start, ends, pair, v)
+        largest = max(largest, max(abs(c - pair[v, 0]), abs(s - pair[v, 1])))
+        pair[v, 0], pair[v, 1] = c, s
+    return largest
 
 
 def cross_field(
@@ -144,5 +142,7 @@ def cross_field(
     pair, known = np.zeros((n, 2)), np.zeros(n, dtype=bool)
     _along_sides(xy, sides.astype(np.int64), pair, known)
     _spread(start, ends, known, pair, np.empty(n, dtype=np.int64))
-    _smooth(start, ends, known, pair, SWEEPS)
+    for k in range(SWEEPS):
+        if _sweep(start, ends, known, pair, k % 2 == 0) < SMALL_CHANGE:
+            break
     return pair

@@ -12,16 +12,15 @@ from numpy.typing import NDArray
 
 from ...predicates.batch import scaled, unscaled
 from .cleaning import clean
+from .dividing import divide
 from .linked import linked
-from .relaxing import relax_everywhere, spoiled
+from .relaxing import mark_flat, relax_everywhere
 from .walking import walk
 
 __all__ = ["Improved", "improved"]
 
 FIRST_MOVES, LAST_MOVES, CLEANINGS = 3, 20, 10
 LEAST_SINES = (0.5, 0.3, 0.3, 0.15, 0.08)  # of an angle around a change, from round to round
-FARTHEST = 4000  # quadrilaterals that a triangle looks through for another one
-FAILED_STEPS = 30  # of a triangle, until it rests
 
 
 class Improved(NamedTuple):
@@ -37,6 +36,7 @@ def improved(
     cells: NDArray[np.int64],
     fixed: NDArray[np.bool_],
     closed: NDArray[np.int64],
+    middle: NDArray[np.int64],
 ) -> Improved:
     """Fewer triangles, fewer irregular vertices, angles nearer to right ones.
 
@@ -49,6 +49,8 @@ def improved(
         Vertices that do not move and stay.
     closed : (s, 2) int64
         Sides between fixed vertices that no change crosses; each side of the boundary is.
+    middle : (s,) int64
+        Points without cells, on the boundary, by which they may be divided, or -1.
 
     Returns
     -------
@@ -57,23 +59,28 @@ def improved(
 
     Notes
     -----
-    Convex, by exact signs: should a cell not be so after all, which rounding alone can bring about, the
-    vertices of its surroundings go back to where they were. O(m) for each of a bounded number of rounds.
+    A corner turns left after a move or a change if it did before, exactly: signs of areas are trusted only if
+    they are far above their rounding. Vertices of cells with flatter corners do not move, and nothing changes
+    around them. O(m) for each of a bounded number of rounds.
     """
-    xy, exact = scaled(np.ascontiguousarray(points))
-    counts = {"pairs won by walking": 0, "doublets": 0, "collapsed": 0, "turned": 0, "moves": 0}
-    if not exact or not len(cells):
-        return Improved(points, cells, counts)
+    xy, _ = scaled(np.ascontiguousarray(points))
     cells, before = cells.copy(), xy.copy()
-    m = linked(xy, cells, fixed, closed)
+    m = linked(xy, cells, fixed, closed, middle)
+    flat = np.zeros(len(xy), dtype=bool)
+    mark_flat(m, flat)
+    m.free[flat] = False
+    counts = {"pairs won by walking": 0}
     changes = np.zeros(3, dtype=np.int64)
-    moves = relax_everywhere(m, np.ones(len(xy), dtype=bool), FIRST_MOVES)
+    moves = relax_everywhere(m, FIRST_MOVES)
     for sine in LEAST_SINES:
-        counts["pairs won by walking"] += int(walk(m, sine, FARTHEST, FAILED_STEPS))
+        counts["pairs won by walking"] += walk(m, sine)
         clean(m, max(sine, LEAST_SINES[1]), CLEANINGS, changes)
-    moves += relax_everywhere(m, np.ones(len(xy), dtype=bool), LAST_MOVES)
-    assert not spoiled(m), "a cell is not convex"
-    counts |= dict(zip(("doublets", "collapsed", "turned"), changes.tolist())) | {"moves": int(moves)}
+    counts["divided"] = 0
+    for sine in LEAST_SINES[-2:] if (middle >= 0).any() else ():
+        counts["divided"] += divide(m, sine)
+        clean(m, LEAST_SINES[1], CLEANINGS, changes)
+    moves += relax_everywhere(m, LAST_MOVES)
+    counts |= dict(zip(("doublets", "collapsed", "turned"), changes.tolist())) | {"moves": moves}
     moved = (xy != before).any(axis=1)
     result = points.copy()
     place = int(np.argmax(np.abs(points)))

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...base.elementary import angle_of
 from ...base.jit import inline, kernel
 
-__all__ = ["CROWD", "ROOM", "Linked", "across", "are_neighbors", "linked", "new_cell", "place_of", "room_at", "sides_of",
+__all__ = ["CROWD", "ROOM", "Linked", "across", "are_neighbors", "linked", "middle_of", "new_cell", "place_of", "room_at", "sides_of",
            "without_cell"]  # fmt: skip
 
 RIGHT = math.pi / 2
@@ -29,7 +29,8 @@ class Linked(NamedTuple):
     The cells at vertex v are the first ``degree[v]`` from ``at[place[v]]`` on; there is room for them up to
     ``place[v + 1]``. Vertices that are not ``free`` never move, and stay.
     ``ideal`` is how many cells a vertex should have. Between fixed vertices there may be closed sides, which
-    no change crosses: those of v are to ``beyond[v]``, CSR rows ``start[v]:start[v + 1]`` of ``ends``.
+    no change crosses: those of v are to the vertices in the rows from ``start[v]`` to ``start[v + 1]`` of
+    ``ends``. In ``middle`` are vertices without cells by which these sides may be divided, or -1.
     ``ring`` and ``kept`` hold the vertices around a change, and where they were, ``slopes`` is scratch, too.
     """
 
@@ -42,6 +43,7 @@ class Linked(NamedTuple):
     ideal: NDArray[np.int64]
     start: NDArray[np.int64]
     ends: NDArray[np.int64]
+    middle: NDArray[np.int64]
     ring: NDArray[np.int64]
     kept: NDArray[np.float64]
     slopes: NDArray[np.float64]
@@ -76,6 +78,17 @@ def across(m, t, a, b):
             i = place_of(m.cells, o, b)
             if i >= 0 and m.cells[o, (i + 1) % sides_of(m.cells, o)] == a:
                 return o
+    return np.int64(-1)
+
+
+@inline
+def middle_of(m, a, b):
+    """The vertex by which the closed side ab may be divided; -1 if there is none."""
+    if not m.free[a] and not m.free[b]:
+        for k in range(m.start[a], m.start[a + 1]):
+            if m.ends[k] == b:
+                w = m.middle[k]
+                return w if w >= 0 and m.degree[w] == 0 else np.int64(-1)
     return np.int64(-1)
 
 
@@ -165,6 +178,7 @@ def linked(
     cells: NDArray[np.int64],
     fixed: NDArray[np.bool_],
     closed: NDArray[np.int64],
+    middle: NDArray[np.int64],
 ) -> Linked:
     """The record of a mesh.
 
@@ -176,6 +190,8 @@ def linked(
     fixed : (n,) bool
     closed : (s, 2) int64
         Sides between fixed vertices that stay.
+    middle : (s,) int64
+        Vertices without cells by which they may be divided; -1 where they must not.
 
     Returns
     -------
@@ -186,12 +202,18 @@ def linked(
     place = np.concatenate([[0], np.cumsum(many + np.where(many <= CROWD, ROOM, 0))])
     at, degree = np.full(place[-1], -1, dtype=np.int64), np.zeros(n, dtype=np.int64)
     _fill(cells, at, place, degree)
-    both = np.concatenate([closed, closed[:, ::-1]])
-    both = both[np.argsort(both[:, 0], kind="stable")]
-    start = np.searchsorted(both[:, 0], np.arange(n + 1))
+    may = middle >= 0
+    parts = [closed, np.column_stack([closed[may, 0], middle[may]]), np.column_stack([middle[may], closed[may, 1]])]
+    ends = np.concatenate(parts)
+    ends = np.concatenate([ends, ends[:, ::-1]])
+    halves = np.full(len(ends) // 2, -1)
+    halves[: len(closed)] = middle
+    halves = np.concatenate([halves, halves])
+    order = np.argsort(ends[:, 0], kind="stable")
+    start = np.searchsorted(ends[order, 0], np.arange(n + 1))
     scratch = 8 * (CROWD + ROOM)  # the vertices of the cells at two vertices
     m = Linked(
-        xy, cells, at, place, degree, ~fixed, np.full(n, 4), start, np.ascontiguousarray(both[:, 1]),
+        xy, cells, at, place, degree, ~fixed, np.full(n, 4), start, ends[order, 1], halves[order],
         np.empty(scratch, dtype=np.int64), np.empty((scratch, 2)), np.empty(5),
     )  # fmt: skip
     _ideals(m)

@@ -19,6 +19,7 @@ __all__ = ["Guide", "packed"]
 NEAREST = 0.7  # of the wanted length, in the norm whose unit ball is the square along the cross
 NEAREST_SIDE = 0.6  # of the wanted length, from a side of the boundary
 WALK_LIMIT = 10_000  # triangles
+STEPS_A_CALL = 50_000  # Ctrl-C works between calls
 
 
 class Guide(NamedTuple):
@@ -166,16 +167,17 @@ def _nearest_arm(c, s, x, y):
 
 
 @kernel
-def _pack(g, p, count, limit):
-    """Four steps from each point in turn, of those that are placed on the way, too; returns how many are.
+def _pack(g, p, v, count, limit):
+    """Four steps from each point in turn, from v on, and from those that are placed on the way.
 
-    A step follows the cross in its middle. ``count`` of the points are there; stop at ``limit``.
+    A step follows the cross in its middle. ``count`` of the points are there; stop at ``limit``, or after so
+    many points of origin. Returns the point to go on from, and how many there are.
     """
-    v, tried = 0, np.int64(0)
-    while v < count:
+    tried, last = 4 * v, v + STEPS_A_CALL
+    while v < min(count, last):
         for k in range(4):
             if count == limit:
-                return count
+                return count, count
             ux, uy = p.arm[v, 0], p.arm[v, 1]
             if k == 1:
                 ux, uy = -uy, ux
@@ -208,7 +210,7 @@ def _pack(g, p, count, limit):
             p.following[count], p.first[t] = p.first[t], count
             count += 1
         v += 1
-    return count
+    return v, count
 
 
 def packed(g: Guide, budget: int) -> NDArray[np.float64]:
@@ -244,5 +246,7 @@ def packed(g: Guide, budget: int) -> NDArray[np.float64]:
     )  # fmt: skip
     p.xy[: len(given)], p.length[: len(given)], p.vertex[: len(given)] = g.xy[given], g.length[given], given
     p.arm[: len(given)] = [arm_of(c, s) for c, s in g.pair[given].tolist()] if len(given) else 0.0
-    count = _pack(g, p, len(given), many)
+    v, count = 0, len(given)
+    while v < count:
+        v, count = _pack(g, p, v, count, many)
     return p.xy[len(given) : count].copy()

@@ -5,31 +5,34 @@ See the book, chapter 6c.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...base.arguments import DEFAULT_BUDGET, MOST_VERTICES, as_count, as_flags
+from ...base.arrays import frozen
 from ...base.errors import InputError
 from ...base.progress import progress_bar
 from ...domain.domain import Domain, Sampled, as_domain
+from ...domain.plane.by_region import size_by_region
 from ...mesh.domain_mesh import DomainMesh, noticed
 from ...predicates.batch import scaled, unscaled
 from ...sizing.background_mesh import limit_nodes
-from ...sizing.field import as_size
-from ..boundary.constrained import complex_of
-from ..boundary.kept import SplitBoundary
+from ...sizing.field import SizeField, as_size
+from ..boundary.constrained import complex_of, planar_complex
+from ..boundary.kept import SplitBoundary, check_split_boundary, kept_pieces
 from ..boundary.pairs import paired
-from ..rebay.voronoi_segment import voronoi_segment
+from ..rebay.run import VoronoiSegmentRun, rule_of
 from .crosses import cross_field
 from .packing import Guide, packed
-from .recombine import on_pieces, recombined
+from .recombine import Middles, on_pieces, recombined
 
 __all__ = ["quadrilaterals"]
 
 GROWTH = 0.5  # of the lengths per unit of length, beside edges of the boundary that are shorter than wanted
+ACCEPTED = 1.35  # of the triangles of the guide: see `voronoi_segment`
+TOO_LONG = 2.0  # lengths; longer sides are told if the budget was not enough
 
 
 def quadrilaterals(
@@ -80,21 +83,26 @@ def quadrilaterals(
     Sources: J.-F. Remacle and others, Int. J. Numer. Methods Eng. 94 (2013) 494-512. Book: 6c.
     """
     as_flags(finish=finish, progress=progress)
+    check_split_boundary(split_boundary)
     if isinstance(domain, Domain) and domain.dimension == 3:
         raise InputError('quadrilaterals are for the plane; in space see octree(...).mesh("hex-dominant")')
     budget = DEFAULT_BUDGET if budget is None else min(as_count(budget, "budget"), MOST_VERTICES)
     domain = as_domain(domain)
-    guide = voronoi_segment(
-        domain, size, finish=False, split_boundary=split_boundary, budget=budget, progress=progress
-    )
+    kept = kept_pieces(split_boundary, len(domain.facets), len(domain.pieces), domain.held())
     with progress_bar(progress, " points") as bar:
+        complex_ = planar_complex(domain, size, progress=progress)
+        wanted = as_size(size_by_region(complex_, size, domain.regions))
+        rule = rule_of(ACCEPTED, "center", "first", None, bool(split_boundary))
+        run = VoronoiSegmentRun(domain, complex_, wanted, None, rule, kept, False)
+        run.insert(budget, bar)
+        guide = run.result()
         given = np.zeros(len(guide.points), dtype=bool)
         given[guide.segments.ravel()] = True
         given |= guide.origin >= 0
         xy, _ = scaled(guide.points)
         place = int(np.argmax(np.abs(guide.points)))
         factor = float(xy.flat[place] / guide.points.flat[place])
-        inside = packed(_guide(guide, xy, given, _lengths(guide, size, given) * factor), budget)
+        inside = packed(_guide(guide, xy, given, _lengths(guide, wanted) * factor), budget)
         bar.update(len(inside))
     number = np.cumsum(given) - 1
     sampled = Sampled(
@@ -106,29 +114,49 @@ def quadrilaterals(
         facets=len(domain.facets), origin=sampled.origin, markers=domain.markers, points=sampled.points,
         counts={"points": len(inside)},
     )  # fmt: skip
-    return noticed(paired(domain, recombined(mesh, finish)))
+    mesh = recombined(mesh, finish, _middles(domain, mesh, kept))
+    if len(inside) == budget or run.spent:
+        _list_large(mesh, wanted)
+    return noticed(paired(domain, mesh))
 
 
-def _lengths(mesh: DomainMesh, size: Any, given: NDArray[np.bool_]) -> NDArray[np.float64]:
+def _middles(domain: Domain, mesh: DomainMesh, kept: NDArray[np.uint8]) -> Middles:
+    """Where the subsegments of the mesh may be divided, on the true curves, if cells are on one side only."""
+    ends = np.sort(mesh.segments.astype(np.int64), axis=1)
+    sides = np.sort(np.asarray(mesh.simplices)[:, [[1, 2], [2, 0], [0, 1]]].astype(np.int64), axis=2)
+    outer = sides[np.asarray(mesh.neighbors) < 0]
+    n = len(mesh.points)
+    free = np.flatnonzero((kept[mesh.piece] == 0) & np.isin(ends[:, 0] * n + ends[:, 1], outer[:, 0] * n + outer[:, 1]))
+    points = domain.points_at(mesh.piece[free], mesh.span[free].mean(axis=1))
+    distinct = (points != mesh.points[mesh.segments[free, 0]]).any(axis=1)
+    distinct &= (points != mesh.points[mesh.segments[free, 1]]).any(axis=1)
+    return Middles(free[distinct], points[distinct])
+
+
+def _list_large(mesh: DomainMesh, wanted: SizeField) -> None:
+    """The cells with a side of more than twice the wanted length are not as asked for: the budget was small."""
+    large = []
+    for rows in mesh.cells.values():
+        corners = mesh.points[rows]
+        sides = np.roll(corners, -1, axis=1) - corners
+        longest = np.sqrt((sides**2).sum(axis=2).max(axis=1))
+        large.append(longest > TOO_LONG * wanted(corners.mean(axis=1)))
+    found = np.flatnonzero(np.concatenate(large))
+    reasons = dict(zip(mesh.unrefined.tolist(), mesh.reasons.tolist()))
+    reasons |= {t: f"{reasons[t]}, budget" if t in reasons else "budget" for t in found.tolist()}
+    mesh.unrefined = frozen(np.array(sorted(reasons), dtype=np.int64))
+    mesh.reasons = frozen(np.array([reasons[t] for t in sorted(reasons)], dtype=str))
+
+
+def _lengths(mesh: DomainMesh, wanted: SizeField) -> NDArray[np.float64]:
     """The lengths at the vertices: as wanted, no longer than the edges of the boundary there, graded."""
-    wanted = np.full(len(mesh.points), np.inf)
-    if isinstance(size, Mapping):
-        region = mesh.markers["region"]
-        names = {number: name for name, number in mesh.regions.items()}
-        for number in np.unique(region).tolist():
-            name = names.get(number)
-            field = size[name] if name in size else size[None]
-            rows = np.unique(np.asarray(mesh.simplices)[region == number])
-            wanted[rows] = np.minimum(wanted[rows], as_size(field)(mesh.points[rows]))
-    else:
-        wanted[:] = as_size(size)(mesh.points)
     ends = mesh.segments
     x = mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]
     length = np.sqrt(x[:, 0] ** 2 + x[:, 1] ** 2)
-    total = np.bincount(ends.ravel(), np.repeat(length, 2), len(wanted))
-    many = np.bincount(ends.ravel(), minlength=len(wanted))
-    mean = np.divide(total, many, out=np.full(len(wanted), np.inf), where=many > 0)
-    return limit_nodes(mesh, np.minimum(wanted, mean), GROWTH)
+    total = np.bincount(ends.ravel(), np.repeat(length, 2), len(mesh.points))
+    many = np.bincount(ends.ravel(), minlength=len(mesh.points))
+    mean = np.divide(total, many, out=np.full(len(many), np.inf), where=many > 0)
+    return limit_nodes(mesh, np.minimum(wanted(mesh.points), mean), GROWTH)
 
 
 def _guide(

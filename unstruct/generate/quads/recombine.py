@@ -5,7 +5,7 @@ See the book, chapter 6c.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from ..improve.smoothing import staying
 from .improving import improved
 from .pairing import pairs_of_triangles
 
-__all__ = ["on_pieces", "recombine", "recombined"]
+__all__ = ["Middles", "on_pieces", "recombine", "recombined"]
 
 SHARPEST = 0.97  # the largest cosine of an angle of a pair that is improved later: 14 degrees
 
@@ -72,8 +72,23 @@ def recombine(mesh: Mesh, *, improve: bool = True) -> DomainMesh:
     return noticed(recombined(mesh, as_flag(improve, "improve")))
 
 
-def recombined(mesh: Mesh, improve: bool) -> DomainMesh:
-    """`recombine` without a warning."""
+class Middles(NamedTuple):
+    """Which subsegments of a mesh may be divided, and where: on sides with cells on one side only."""
+
+    segment: NDArray[np.int64]
+    points: NDArray[np.float64]
+
+
+def recombined(mesh: Mesh, improve: bool, middles: Middles | None = None) -> DomainMesh:
+    """`recombine` without a warning.
+
+    Parameters
+    ----------
+    mesh, improve
+        As there.
+    middles : Middles, optional
+        In a mesh of a domain: at these places the boundary is divided where triangles are left.
+    """
     coordinates, wide = planar_coordinates(mesh)
     if mesh.size == 0:
         raise MeshError(f"there is nothing to recombine: {mesh!r}")
@@ -97,9 +112,28 @@ def recombined(mesh: Mesh, improve: bool) -> DomainMesh:
         sides = np.column_stack([rows[t, (i + 1) % 3], rows[t, (i + 2) % 3]]).astype(np.int64)
         fixed = staying(mesh, None)
         fixed[sides.ravel()] = True
-        points, cells, more = improved(points, cells, fixed, sides)
+        middle = np.full(len(sides), -1)
+        if middles is not None and isinstance(mesh, DomainMesh):
+            middle = _by_side(mesh, sides, middles)
+            points = np.concatenate([points, middles.points])
+            fixed = np.concatenate([fixed, np.ones(len(middles.points), dtype=bool)])
+        points, cells, more = improved(points, cells, fixed, sides, middle)
         counts |= more
-    return _assembled(mesh, points, cells, owner, markers, counts)
+    return _assembled(mesh, points, cells, owner, markers, counts, middles)
+
+
+def _by_side(mesh: DomainMesh, sides: NDArray[np.int64], middles: Middles) -> NDArray[np.int64]:
+    """The number of the middle of each of these sides (s, 2), after the points of the mesh; -1 for none."""
+    n = len(mesh.points)
+    ends = np.sort(mesh.segments[middles.segment].astype(np.int64), axis=1)
+    keys = ends[:, 0] * n + ends[:, 1]
+    order = np.argsort(keys)
+    wanted = np.sort(sides, axis=1)
+    wanted_keys = wanted[:, 0] * n + wanted[:, 1]
+    place = np.minimum(np.searchsorted(keys[order], wanted_keys), max(0, len(keys) - 1))
+    if not len(keys):
+        return np.full(len(sides), -1)
+    return np.where(keys[order][place] == wanted_keys, n + order[place], -1)
 
 
 def on_pieces(mesh: DomainMesh) -> NDArray[np.bool_]:
@@ -117,11 +151,14 @@ def _assembled(
     owner: NDArray[np.int64],
     markers: dict[str, NDArray],
     counts: dict[str, int],
+    middles: Middles | None,
 ) -> DomainMesh:
     """The mesh of these cells, without the vertices that only collapsed cells had."""
     there = cells[:, 0] >= 0
     cells, owner = cells[there], owner[there]
-    used, now = np.zeros(len(points), dtype=bool), np.zeros(len(points), dtype=bool)
+    n = len(mesh.points)
+    used, now = np.ones(len(points), dtype=bool), np.zeros(len(points), dtype=bool)
+    used[:n] = False
     used[mesh.simplices.ravel()] = True
     now[cells[cells >= 0]] = True
     kept = now | ~used
@@ -130,20 +167,33 @@ def _assembled(
     order = np.argsort(~three, kind="stable")  # triangles come first
     blocks = {"triangle": number[cells[three, :3]], "quad": number[cells[~three]]}
     blocks = {name: rows.astype(np.int32) for name, rows in blocks.items() if len(rows)}
+    rest: dict[str, Any] = {}
+    halves = np.empty((0, 3), dtype=np.int64)
+    if isinstance(mesh, DomainMesh):
+        ends, span, of = mesh.segments.astype(np.int64), mesh.span, np.arange(len(mesh.segments))
+        if middles is not None:
+            there = now[n:]
+            halves = np.column_stack([ends[middles.segment[there]], n + np.flatnonzero(there)])
+        ends, of, second = _in_halves(ends, halves, n)
+        span = span[of]
+        middle = span.mean(axis=1)
+        span = np.column_stack([np.where(second == 1, middle, span[:, 0]), np.where(second == 0, middle, span[:, 1])])
+        rest = {"segments": number[ends].astype(np.int32), "piece": mesh.piece[of], "span": span}
+        counts = mesh.counts | counts
     named: dict[str, Any] = {}
     for name, rows in markers.items():
-        named[name] = rows[owner[order]] if rows.ndim == 1 else number[rows].astype(np.int32)
-    rest: dict[str, Any] = {}
-    if isinstance(mesh, DomainMesh):
-        rest = {"segments": number[mesh.segments].astype(np.int32), "piece": mesh.piece, "span": mesh.span}
-        counts = mesh.counts | counts
+        if rows.ndim == 1:
+            named[name] = rows[owner[order]]
+        else:
+            rows = _in_halves(rows.astype(np.int64), halves, n)[0] if rows.shape[1] == 2 else rows
+            named[name] = number[rows].astype(np.int32)
     result_points = points[kept]
     many = int(three.sum())
     return DomainMesh(
         result_points,
         None,
         cells=blocks,
-        origin=mesh.origin[kept],
+        origin=np.concatenate([mesh.origin, np.full(len(points) - n, -1, dtype=mesh.origin.dtype)])[kept],
         duplicates=number[mesh.duplicates].astype(np.int32),
         markers=named,
         regions=mesh.regions,
@@ -154,6 +204,32 @@ def _assembled(
         figures=_figures(result_points, blocks),
         **rest,
     )
+
+
+def _in_halves(
+    rows: NDArray[np.int64], halves: NDArray[np.int64], n: int
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """The edges in rows (k, 2), those in ``halves`` (a, b, middle) as two.
+
+    Also which row each was, and whether it is the first half, 0, the second, 1, or the whole, -1.
+    """
+    keys = np.minimum(halves[:, 0], halves[:, 1]) * n + np.maximum(halves[:, 0], halves[:, 1])
+    order = np.argsort(keys)
+    low, high = rows.min(axis=1, initial=n), rows.max(axis=1, initial=0)
+    place = np.searchsorted(keys[order], low * n + high)
+    inside = place < len(keys)
+    place[~inside] = 0
+    found = inside & (keys[order][place] == low * n + high) if len(keys) else inside
+    of = np.repeat(np.arange(len(rows)), np.where(found, 2, 1))
+    second = np.where(found[of], 0, -1)
+    again = np.flatnonzero(of[1:] == of[:-1]) + 1
+    second[again] = 1
+    result = rows[of]
+    middle = np.full(len(of), -1)
+    if len(keys):
+        middle[found[of]] = halves[order, 2][place[of][found[of]]]
+    result[second == 0, 1], result[second == 1, 0] = middle[second == 0], middle[second == 1]
+    return result, of, second
 
 
 def _figures(points: NDArray[np.float64], blocks: dict[str, NDArray[np.int32]]) -> dict[str, float]:

@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 
-from ...base.jit import apart, inline, kernel
-from ...predicates.kernels import orient2
-from .linked import place_of, sides_of
+import numpy as np
 
-__all__ = ["is_convex", "relax", "relax_everywhere", "ring_of", "sines", "spoiled"]
+from ...base.jit import apart, inline, kernel
+from .linked import Linked, place_of, sides_of
+
+__all__ = ["mark_flat", "relax", "relax_everywhere", "ring_of", "sines"]
 
 FLAT_SHARE = 1e-12  # of the squares of its sides, below which the area at a corner counts as none
 EVEN_SIDES = 0.1  # the share of a corner's cost that grows if its sides are of different lengths
@@ -21,6 +22,7 @@ NEWTON_STEPS = 2  # at a visit
 LONGEST_STEP = 0.3  # in mean lengths of the edges at a vertex
 STEP_HALVINGS = 4
 SEARCH_HALVINGS = 6  # of a search in eight directions, where corners turn right
+MOVES_A_CALL = 100_000  # vertices visited in one kernel call: Ctrl-C works between calls
 LEAST_GAIN = 1e-4  # relative; smaller ones end the search
 
 
@@ -206,14 +208,14 @@ def relax(m, count, rounds):
 
 
 @kernel
-def relax_everywhere(m, todo, rounds):
-    """Move free vertices that are to do, in turn; a move brings back those around. Returns how many moved."""
+def relax_some(m, todo, start, stop):
+    """Move the free vertices from ``start`` to ``stop`` that are to do, in turn.
+
+    A move brings back those around. Returns how many moved.
+    """
     moves = 0
-    for _ in range(rounds):
-        before = moves
-        for v in range(len(m.xy)):
-            if not todo[v] or not m.free[v]:
-                continue
+    for v in range(start, min(stop, len(m.xy))):
+        if todo[v] and m.free[v]:
             todo[v] = False
             if _move(m, v):
                 moves += 1
@@ -221,6 +223,27 @@ def relax_everywhere(m, todo, rounds):
                     t = m.at[i]
                     for k in range(sides_of(m.cells, t)):
                         todo[m.cells[t, k]] = True
+    return moves
+
+
+def relax_everywhere(m: Linked, rounds: int) -> int:
+    """Move all free vertices, in turn, and again those beside a vertex that moved; how many moves were made.
+
+    Parameters
+    ----------
+    m : Linked
+    rounds : int
+        The largest number of rounds.
+
+    Returns
+    -------
+    int
+    """
+    todo, moves = np.ones(len(m.xy), dtype=bool), 0
+    for _ in range(rounds):
+        before = moves
+        for start in range(0, len(todo), MOVES_A_CALL):
+            moves += int(relax_some(m, todo, start, start + MOVES_A_CALL))
         if moves == before:
             break
     return moves
@@ -264,21 +287,17 @@ def sines(m, count, least):
     return lowest, many
 
 
-@apart
-def is_convex(m, t):
-    """Whether every corner of cell t turns left, exactly."""
-    xy, n = m.xy, sides_of(m.cells, t)
-    for k in range(n):
-        a, b, c = m.cells[t, k], m.cells[t, (k + 1) % n], m.cells[t, (k + 2) % n]
-        if orient2(xy[a, 0], xy[a, 1], xy[b, 0], xy[b, 1], xy[c, 0], xy[c, 1]) <= 0:
-            return False
-    return True
-
-
 @kernel
-def spoiled(m):
-    """Whether a cell is not convex."""
-    for t in range(len(m.cells)):
-        if m.cells[t, 0] >= 0 and not is_convex(m, t):
-            return True
-    return False
+def mark_flat(m, found):
+    """Mark the vertices of cells that have a corner which does not surely turn left."""
+    xy, cells = m.xy, m.cells
+    for t in range(len(cells)):
+        if cells[t, 0] < 0:
+            continue
+        n = sides_of(cells, t)
+        for k in range(n):
+            a, b, c = cells[t, k], cells[t, (k + 1) % n], cells[t, (k + 2) % n]
+            ux, uy, wx, wy = xy[c, 0] - xy[b, 0], xy[c, 1] - xy[b, 1], xy[a, 0] - xy[b, 0], xy[a, 1] - xy[b, 1]
+            if not ux * wy - uy * wx > FLAT_SHARE * (_square(ux, uy) + _square(wx, wy)):
+                for i in range(n):
+                    found[cells[t, i]] = True

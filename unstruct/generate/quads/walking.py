@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...base.jit import apart, inline, kernel
-from .linked import across, are_neighbors, new_cell, place_of, room_at, sides_of, without_cell
+from .linked import Linked, across, are_neighbors, new_cell, place_of, room_at, sides_of, without_cell
 from .relaxing import sines, relax
 
 __all__ = ["enough_room", "keep", "no_worse", "merged", "put_back", "stepped", "walk"]
@@ -30,6 +30,9 @@ __all__ = ["enough_room", "keep", "no_worse", "merged", "put_back", "stepped", "
 STEP_ROUNDS = 4  # of moves around a step
 MERGE_ROUNDS = 6
 CERTAIN_SINE = 1e-12
+FARTHEST = 4000  # quadrilaterals that a triangle looks through for another one
+FAILED_STEPS = 30  # of a triangle, until it rests
+SEARCHES_A_CALL = 100  # Ctrl-C works between calls
 
 
 @apart
@@ -151,8 +154,17 @@ class Search(NamedTuple):
     vain: NDArray[np.int64]
 
 
+def searching(m: Linked) -> Search:
+    """Scratch for searches in this mesh."""
+    size = len(m.cells)
+    return Search(
+        np.empty(size, dtype=np.int64), np.empty(size + 4, dtype=np.int64), np.full(size, -1, dtype=np.int64),
+        np.empty((FAILED_STEPS, 2), dtype=np.int64),
+    )  # fmt: skip
+
+
 @inline
-def _in_vain(q, many, s, o):
+def in_vain(q, many, s, o):
     for i in range(many):
         if q.vain[i, 0] == s and q.vain[i, 1] == o:
             return True
@@ -173,7 +185,7 @@ def _nearest(m, q, t, number, many, far):
         n = sides_of(m.cells, s)
         for k in range(n):
             o = across(m, s, m.cells[s, k], m.cells[s, (k + 1) % n])
-            if o < 0 or q.seen[o] == number or _in_vain(q, many, s, o):
+            if o < 0 or q.seen[o] == number or in_vain(q, many, s, o):
                 continue
             q.seen[o], q.before[o] = number, s
             if m.cells[o, 3] < 0:
@@ -184,7 +196,7 @@ def _nearest(m, q, t, number, many, far):
 
 
 @apart
-def _step_on(m, t, o, then, least):
+def step_on(m, t, o, then, least):
     """Triangle t walks through o to the side towards ``then``; whether it did."""
     for k in range(4):
         a, b = m.cells[o, k], m.cells[o, (k + 1) % 4]
@@ -212,7 +224,7 @@ def _walk_from(m, q, t, number, far, least):
         o = q.queue[length - 1]
         for i in range(length - 1, 0, -1):
             o, then = q.queue[i], q.queue[i - 1]
-            if not _step_on(m, t, o, then, least):
+            if not step_on(m, t, o, then, least):
                 q.vain[many, 0], q.vain[many, 1] = o, then
                 break
             o = then
@@ -226,20 +238,39 @@ def _walk_from(m, q, t, number, far, least):
 
 
 @kernel
-def walk(m, least, far, tries):
-    """Each triangle in turn walks to the nearest other one, through at most ``far`` quadrilaterals.
+def _walk_some(m, q, start, number, far, least):
+    """Triangles from ``start`` on walk, until there were many searches.
 
-    Returns how many pairs have met. After so many failed steps a triangle stays where it has come to.
+    Returns how many pairs have met, the cell to go on from, and the number of the last search.
     """
-    size = len(m.cells)
-    q = Search(
-        np.empty(size, dtype=np.int64), np.empty(size + 4, dtype=np.int64), np.full(size, -1, dtype=np.int64),
-        np.empty((tries, 2), dtype=np.int64),
-    )  # fmt: skip
-    met, number = 0, np.int64(0)
-    for t in range(size):
+    met, first = 0, number
+    for t in range(start, len(m.cells)):
+        if number - first > SEARCHES_A_CALL:
+            return met, t, number
         if m.cells[t, 0] >= 0 and m.cells[t, 3] < 0:
-            found, number = _walk_from(m, q, np.int64(t), number + 1, min(far, size), least)
+            found, number = _walk_from(m, q, np.int64(t), number + 1, far, least)
             if found:
                 met += 1
-    return met
+    return met, len(m.cells), number
+
+
+def walk(m: Linked, least: float) -> int:
+    """Each triangle in turn walks to the nearest other one.
+
+    Parameters
+    ----------
+    m : Linked
+    least : float
+        No more sines of angles are less after a step or a merger than before.
+
+    Returns
+    -------
+    int
+        How many pairs have met. After 30 failed steps a triangle stays where it has come to, and it sees
+        others through at most 4000 quadrilaterals.
+    """
+    q, t, number, total = searching(m), 0, 0, 0
+    while t < len(m.cells):
+        met, t, number = _walk_some(m, q, t, number, min(FARTHEST, len(m.cells)), least)
+        total += int(met)
+    return total
