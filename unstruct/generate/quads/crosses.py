@@ -50,6 +50,8 @@ def _along_sides(xy, sides, pair, known):
     for k in range(len(sides)):
         a, b = sides[k, 0], sides[k, 1]
         x, y = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
+        largest = max(abs(x), abs(y))  # the squares of very short sides would be zero
+        x, y = x / largest, y / largest
         length = math.sqrt(x * x + y * y)
         c, s = _doubled(x / length, y / length)
         c, s = _doubled(c, s)

@@ -20,6 +20,7 @@ NEAREST = 0.7  # of the wanted length, in the norm whose unit ball is the square
 NEAREST_SIDE = 0.6  # of the wanted length, from a side of the boundary
 WALK_LIMIT = 10_000  # triangles
 STEPS_A_CALL = 50_000  # Ctrl-C works between calls
+MOST_AT_FIRST = 1e7  # points that there is room for
 
 
 class Guide(NamedTuple):
@@ -96,9 +97,14 @@ def _towards(g, v, x, y):
 def _at(g, t, x, y):
     """The pair and the wanted length at (x, y) in triangle t: linear between its corners."""
     a, b, c = g.triangles[t, 0], g.triangles[t, 1], g.triangles[t, 2]
-    area = _side(g.xy, a, b, g.xy[c, 0], g.xy[c, 1])
-    wa, wb = _side(g.xy, b, c, x, y) / area, _side(g.xy, c, a, x, y) / area
-    wc = 1.0 - wa - wb
+    # By rounding, weights may be negative, and in a flat triangle all zero: no length may be.
+    wa, wb = max(0.0, _side(g.xy, b, c, x, y)), max(0.0, _side(g.xy, c, a, x, y))
+    wc = max(0.0, _side(g.xy, a, b, x, y))
+    total = wa + wb + wc
+    if total > 0.0:
+        wa, wb, wc = wa / total, wb / total, wc / total
+    else:
+        wa, wb, wc = 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0
     return (
         wa * g.pair[a, 0] + wb * g.pair[b, 0] + wc * g.pair[c, 0],
         wa * g.pair[a, 1] + wb * g.pair[b, 1] + wc * g.pair[c, 1],
@@ -110,8 +116,9 @@ def _at(g, t, x, y):
 def _to_side(xy, a, b, x, y):
     """The square of the distance of (x, y) from the segment ab."""
     dx, dy = xy[b, 0] - xy[a, 0], xy[b, 1] - xy[a, 1]
-    s = ((x - xy[a, 0]) * dx + (y - xy[a, 1]) * dy) / (dx * dx + dy * dy)
-    s = min(1.0, max(0.0, s))
+    square, s = dx * dx + dy * dy, 0.0
+    if square > 0.0:
+        s = min(1.0, max(0.0, ((x - xy[a, 0]) * dx + (y - xy[a, 1]) * dy) / square))
     ex, ey = x - xy[a, 0] - s * dx, y - xy[a, 1] - s * dy
     return ex * ex + ey * ey
 
@@ -167,17 +174,18 @@ def _nearest_arm(c, s, x, y):
 
 
 @kernel
-def _pack(g, p, v, count, limit):
+def _pack(g, p, v, count, tried):
     """Four steps from each point in turn, from v on, and from those that are placed on the way.
 
-    A step follows the cross in its middle. ``count`` of the points are there; stop at ``limit``, or after so
-    many points of origin. Returns the point to go on from, and how many there are.
+    A step follows the cross in its middle. ``count`` of the points are there; stop if there is no more room,
+    or after so many points of origin. Returns the point to go on from, how many there are, and how many places
+    were tried.
     """
-    tried, last = 4 * v, v + STEPS_A_CALL
+    last, limit = v + STEPS_A_CALL, len(p.xy)
     while v < min(count, last):
         for k in range(4):
             if count == limit:
-                return count, count
+                return v, count, tried
             ux, uy = p.arm[v, 0], p.arm[v, 1]
             if k == 1:
                 ux, uy = -uy, ux
@@ -210,7 +218,7 @@ def _pack(g, p, v, count, limit):
             p.following[count], p.first[t] = p.first[t], count
             count += 1
         v += 1
-    return v, count
+    return v, count, tried
 
 
 def packed(g: Guide, budget: int) -> NDArray[np.float64]:
@@ -234,19 +242,45 @@ def packed(g: Guide, budget: int) -> NDArray[np.float64]:
     Source: J.-F. Remacle and others, Int. J. Numer. Methods Eng. 94 (2013) 494-512.
     """
     given = np.flatnonzero(g.given & (g.start[1:] > g.start[:-1]))
-    corner = g.xy[g.triangles]
-    u, w = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    area = 0.5 * (u[:, 0] * w[:, 1] - u[:, 1] * w[:, 0])
-    squares = area / g.length[g.triangles].min(axis=1) ** 2
-    many = len(given) + min(budget, int(2.0 * squares.sum() / NEAREST**2) + 64)  # far more than can be placed
+    area = _areas(g.xy, g.triangles)
+    squares = (area / (g.length[g.triangles].min(axis=1) * g.length[g.triangles].max(axis=1))).sum()
+    most = len(given) + budget
+    n = min(most, len(given) + int(min(MOST_AT_FIRST, 1.5 * squares / NEAREST)) + 64)
     p = Packed(
-        np.empty((many, 2)), np.empty((many, 2)), np.empty(many), np.full(many, -1), np.full(many, -1),
-        np.full(len(area), -1), np.full(many, -1), np.zeros(len(area), dtype=np.int64),
+        np.empty((n, 2)), np.empty((n, 2)), np.empty(n), np.full(n, -1), np.full(n, -1),
+        np.full(len(area), -1), np.full(n, -1), np.zeros(len(area), dtype=np.int64),
         np.empty(len(area) + 4, dtype=np.int64),
     )  # fmt: skip
     p.xy[: len(given)], p.length[: len(given)], p.vertex[: len(given)] = g.xy[given], g.length[given], given
     p.arm[: len(given)] = [arm_of(c, s) for c, s in g.pair[given].tolist()] if len(given) else 0.0
-    v, count = 0, len(given)
+    v, count, tried = 0, len(given), 0
     while v < count:
-        v, count = _pack(g, p, v, count, many)
+        v, count, tried = _pack(g, p, v, count, tried)
+        if count == len(p.xy):
+            if count == most:
+                break
+            p = _with_room(p, min(most, 2 * count + 64))
     return p.xy[len(given) : count].copy()
+
+
+@kernel
+def _areas(xy, triangles):
+    areas = np.empty(len(triangles))
+    for t in range(len(triangles)):
+        a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
+        areas[t] = 0.5 * max(0.0, _side(xy, a, b, xy[c, 0], xy[c, 1]))
+    return areas
+
+
+def _with_room(p: Packed, n: int) -> Packed:
+    """The same points, and room for so many."""
+    larger = []
+    for name in ("xy", "arm", "length", "triangle", "vertex", "following"):
+        old = getattr(p, name)
+        new = np.empty((n, *old.shape[1:]), dtype=old.dtype)
+        new[: len(old)] = old
+        larger.append(new)
+    xy, arm, length, triangle, vertex, following = larger
+    return p._replace(
+        xy=xy, arm=arm, length=length, triangle=triangle, vertex=vertex, following=following
+    )  # fmt: skip

@@ -32,6 +32,7 @@ __all__ = ["quadrilaterals"]
 
 GROWTH = 0.5  # of the lengths per unit of length, beside edges of the boundary that are shorter than wanted
 ACCEPTED = 1.35  # of the triangles of the guide: see `voronoi_segment`
+SHORTEST = 2.0**-44  # of the largest coordinate: where lengths are less, points are as far apart as this
 TOO_LONG = 2.0  # lengths; longer sides are told if the budget was not enough
 
 
@@ -102,7 +103,8 @@ def quadrilaterals(
         xy, _ = scaled(guide.points)
         place = int(np.argmax(np.abs(guide.points)))
         factor = float(xy.flat[place] / guide.points.flat[place])
-        inside = packed(_guide(guide, xy, given, _lengths(guide, wanted) * factor), budget)
+        length = _lengths(guide, xy, factor, wanted)
+        inside = packed(_guide(guide, xy, given, length), budget)
         bar.update(len(inside))
     number = np.cumsum(given) - 1
     sampled = Sampled(
@@ -148,15 +150,19 @@ def _list_large(mesh: DomainMesh, wanted: SizeField) -> None:
     mesh.reasons = frozen(np.array([reasons[t] for t in sorted(reasons)], dtype=str))
 
 
-def _lengths(mesh: DomainMesh, wanted: SizeField) -> NDArray[np.float64]:
-    """The lengths at the vertices: as wanted, no longer than the edges of the boundary there, graded."""
+def _lengths(
+    mesh: DomainMesh, xy: NDArray[np.float64], factor: float, wanted: SizeField
+) -> NDArray[np.float64]:
+    """The lengths at the vertices: as wanted, no longer than the edges of the boundary there, graded; scaled."""
     ends = mesh.segments
-    x = mesh.points[ends[:, 1]] - mesh.points[ends[:, 0]]
+    x = xy[ends[:, 1]] - xy[ends[:, 0]]
     length = np.sqrt(x[:, 0] ** 2 + x[:, 1] ** 2)
-    total = np.bincount(ends.ravel(), np.repeat(length, 2), len(mesh.points))
-    many = np.bincount(ends.ravel(), minlength=len(mesh.points))
+    total = np.bincount(ends.ravel(), np.repeat(length, 2), len(xy))
+    many = np.bincount(ends.ravel(), minlength=len(xy))
     mean = np.divide(total, many, out=np.full(len(many), np.inf), where=many > 0)
-    return limit_nodes(mesh, np.minimum(wanted(mesh.points), mean), GROWTH)
+    shortest = SHORTEST * float(np.abs(xy).max())
+    least = np.maximum(np.minimum(wanted(mesh.points), mean / factor), shortest / factor)
+    return np.maximum(limit_nodes(mesh, least, GROWTH) * factor, shortest)
 
 
 def _guide(

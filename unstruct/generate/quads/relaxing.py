@@ -267,7 +267,7 @@ def ring_of(m, count, v):
 @apart
 def sines(m, count, least):
     """The least sine of a corner in the cells at the first ``count`` vertices of ``ring``, and how many are
-    below ``least``, counted at each of these vertices of its cell; it is negative where one turns right."""
+    below ``least``, counted at each of these vertices of its cell; -1 where one does not surely turn left."""
     xy, cells = m.xy, m.cells
     lowest, many = 1.0, 0
     for i in range(count):
@@ -279,8 +279,9 @@ def sines(m, count, least):
                 a, b, c = cells[t, (k + n - 1) % n], cells[t, k], cells[t, (k + 1) % n]
                 ux, uy = xy[c, 0] - xy[b, 0], xy[c, 1] - xy[b, 1]
                 wx, wy = xy[a, 0] - xy[b, 0], xy[a, 1] - xy[b, 1]
-                lengths = math.sqrt(_square(ux, uy)) * math.sqrt(_square(wx, wy))
-                sine = (ux * wy - uy * wx) / lengths if lengths > 0.0 else -1.0
+                area, uu, ww = ux * wy - uy * wx, _square(ux, uy), _square(wx, wy)
+                flat = not area > FLAT_SHARE * (uu + ww)
+                sine = -1.0 if flat else area / (math.sqrt(uu) * math.sqrt(ww))
                 lowest = min(lowest, sine)
                 if sine < least:
                     many += 1

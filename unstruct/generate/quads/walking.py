@@ -29,7 +29,6 @@ __all__ = ["enough_room", "keep", "no_worse", "merged", "put_back", "stepped", "
 
 STEP_ROUNDS = 4  # of moves around a step
 MERGE_ROUNDS = 6
-CERTAIN_SINE = 1e-12
 FARTHEST = 4000  # quadrilaterals that a triangle looks through for another one
 FAILED_STEPS = 30  # of a triangle, until it rests
 SEARCHES_A_CALL = 100  # Ctrl-C works between calls
@@ -71,10 +70,10 @@ def no_worse(m, count, least, lowest, many):
     """Whether the cells at the vertices in ``ring`` may be as they are now.
 
     They may if no more sines are below ``least`` than ``many``, and none is below those that were there:
-    `sines` as it was before. Signs of sines are those of the exact areas: rounding is far below `CERTAIN_SINE`.
+    `sines` as it was before. A positive sine has the sign of the exact area, which is far above its rounding.
     """
     now, bad = sines(m, count, least)
-    return now >= max(CERTAIN_SINE, min(least, lowest)) and bad <= many
+    return now > 0.0 and now >= min(least, lowest) and bad <= many
 
 
 @kernel
