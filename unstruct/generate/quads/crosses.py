@@ -71,7 +71,7 @@ def _along_sides(xy, sides, pair, known):
 
 @kernel
 def _spread(start, ends, known, pair, queue):
-    """From the boundary inward, in breadth: the first cross of each vertex is the mean of those known then."""
+    """From the boundary inward, in breadth: the first cross of a vertex is the mean of those known then."""
     tail = 0
     seen = known.copy()
     for v in range(len(known)):

@@ -20,6 +20,7 @@ from .walking import walk
 __all__ = ["Improved", "improved"]
 
 FIRST_MOVES, LAST_MOVES, CLEANINGS = 3, 20, 10
+DIVIDING_SINES = (0.15, 0.08, 0.05)
 LEAST_SINES = (0.5, 0.3, 0.3, 0.15, 0.08)  # of an angle around a change, from round to round
 
 
@@ -76,9 +77,9 @@ def improved(
         counts["pairs won by walking"] += walk(m, sine)
         clean(m, max(sine, LEAST_SINES[1]), CLEANINGS, changes)
     counts["divided"] = 0
-    for sine in LEAST_SINES[-2:] if (middle >= 0).any() else ():
+    for sine in DIVIDING_SINES if (middle >= 0).any() else ():
         counts["divided"] += divide(m, sine)
-        clean(m, LEAST_SINES[1], CLEANINGS, changes)
+        counts["pairs won by walking"] += walk(m, sine)
     moves += relax_everywhere(m, LAST_MOVES)
     counts |= dict(zip(("doublets", "collapsed", "turned"), changes.tolist())) | {"moves": moves}
     moved = (xy != before).any(axis=1)

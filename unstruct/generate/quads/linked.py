@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 from ...base.elementary import angle_of
 from ...base.jit import inline, kernel
 
-__all__ = ["CROWD", "ROOM", "Linked", "across", "are_neighbors", "linked", "middle_of", "new_cell", "place_of", "room_at", "sides_of",
-           "without_cell"]  # fmt: skip
+__all__ = [
+    "CROWD", "ROOM", "Linked", "across", "are_neighbors", "linked", "middle_of", "new_cell", "place_of",
+    "room_at", "sides_of", "without_cell",
+]  # fmt: skip
 
 RIGHT = math.pi / 2
 ROOM = 8  # cells that a vertex may have beyond those at first
@@ -114,7 +116,7 @@ def room_at(m, v):
 
 @kernel
 def _ideals(m):
-    """How many cells each vertex should have: four, and as many right angles as fit best beside closed sides."""
+    """How many cells a vertex should have: four, beside closed sides as many right angles as fit best."""
     for v in range(len(m.xy)):
         if m.free[v]:
             continue
@@ -203,7 +205,11 @@ def linked(
     at, degree = np.full(place[-1], -1, dtype=np.int64), np.zeros(n, dtype=np.int64)
     _fill(cells, at, place, degree)
     may = middle >= 0
-    parts = [closed, np.column_stack([closed[may, 0], middle[may]]), np.column_stack([middle[may], closed[may, 1]])]
+    parts = [
+        closed,
+        np.column_stack([closed[may, 0], middle[may]]),
+        np.column_stack([middle[may], closed[may, 1]]),
+    ]
     ends = np.concatenate(parts)
     ends = np.concatenate([ends, ends[:, ::-1]])
     halves = np.full(len(ends) // 2, -1)

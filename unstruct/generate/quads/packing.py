@@ -5,7 +5,6 @@ See the book, chapter 6c.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -178,8 +177,8 @@ def _pack(g, p, v, count, tried):
     """Four steps from each point in turn, from v on, and from those that are placed on the way.
 
     A step follows the cross in its middle. ``count`` of the points are there; stop if there is no more room,
-    or after so many points of origin. Returns the point to go on from, how many there are, and how many places
-    were tried.
+    or after so many points of origin. Returns the point to go on from, how many there are, and how many
+    places were tried.
     """
     last, limit = v + STEPS_A_CALL, len(p.xy)
     while v < min(count, last):

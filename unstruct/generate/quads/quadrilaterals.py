@@ -128,7 +128,9 @@ def _middles(domain: Domain, mesh: DomainMesh, kept: NDArray[np.uint8]) -> Middl
     sides = np.sort(np.asarray(mesh.simplices)[:, [[1, 2], [2, 0], [0, 1]]].astype(np.int64), axis=2)
     outer = sides[np.asarray(mesh.neighbors) < 0]
     n = len(mesh.points)
-    free = np.flatnonzero((kept[mesh.piece] == 0) & np.isin(ends[:, 0] * n + ends[:, 1], outer[:, 0] * n + outer[:, 1]))
+    free = np.flatnonzero(
+        (kept[mesh.piece] == 0) & np.isin(ends[:, 0] * n + ends[:, 1], outer[:, 0] * n + outer[:, 1])
+    )
     points = domain.points_at(mesh.piece[free], mesh.span[free].mean(axis=1))
     distinct = (points != mesh.points[mesh.segments[free, 0]]).any(axis=1)
     distinct &= (points != mesh.points[mesh.segments[free, 1]]).any(axis=1)
@@ -136,7 +138,7 @@ def _middles(domain: Domain, mesh: DomainMesh, kept: NDArray[np.uint8]) -> Middl
 
 
 def _list_large(mesh: DomainMesh, wanted: SizeField) -> None:
-    """The cells with a side of more than twice the wanted length are not as asked for: the budget was small."""
+    """Cells with a side of more than twice the wanted length are not as asked for: the budget was small."""
     large = []
     for rows in mesh.cells.values():
         corners = mesh.points[rows]
@@ -153,7 +155,7 @@ def _list_large(mesh: DomainMesh, wanted: SizeField) -> None:
 def _lengths(
     mesh: DomainMesh, xy: NDArray[np.float64], factor: float, wanted: SizeField
 ) -> NDArray[np.float64]:
-    """The lengths at the vertices: as wanted, no longer than the edges of the boundary there, graded; scaled."""
+    """The scaled lengths at the vertices: as wanted, no longer than edges of the boundary there, graded."""
     ends = mesh.segments
     x = xy[ends[:, 1]] - xy[ends[:, 0]]
     length = np.sqrt(x[:, 0] ** 2 + x[:, 1] ** 2)

@@ -104,7 +104,9 @@ def recombined(mesh: Mesh, improve: bool, middles: Middles | None = None) -> Dom
     single, quads, both = pairs_of_triangles(
         mesh.points, rows, mesh.neighbors, closed, *([SHARPEST] if improve else [])
     )
-    cells = np.concatenate([np.column_stack([rows[single], np.full(len(single), -1)]), quads]).astype(np.int64)
+    cells = np.concatenate([np.column_stack([rows[single], np.full(len(single), -1)]), quads]).astype(
+        np.int64
+    )
     owner = np.concatenate([single, both[:, 0]])
     points, counts = np.array(mesh.points), {"pairs": len(quads)}
     if improve:
@@ -177,7 +179,9 @@ def _assembled(
         ends, of, second = _in_halves(ends, halves, n)
         span = span[of]
         middle = span.mean(axis=1)
-        span = np.column_stack([np.where(second == 1, middle, span[:, 0]), np.where(second == 0, middle, span[:, 1])])
+        span = np.column_stack(
+            [np.where(second == 1, middle, span[:, 0]), np.where(second == 0, middle, span[:, 1])]
+        )
         rest = {"segments": number[ends].astype(np.int32), "piece": mesh.piece[of], "span": span}
         counts = mesh.counts | counts
     named: dict[str, Any] = {}

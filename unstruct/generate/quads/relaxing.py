@@ -15,6 +15,7 @@ from .linked import Linked, place_of, sides_of
 __all__ = ["mark_flat", "relax", "relax_everywhere", "ring_of", "sines"]
 
 FLAT_SHARE = 1e-12  # of the squares of its sides, below which the area at a corner counts as none
+NO_AREA = 1e-290  # products of smaller numbers lose digits
 EVEN_SIDES = 0.1  # the share of a corner's cost that grows if its sides are of different lengths
 TRIANGLE_COST = 0.35  # a triangle beside quadrilaterals: its corners cost this much, if it is equilateral
 TRIANGLE_UNIT = TRIANGLE_COST / (2.0 * math.sqrt(0.75))
@@ -280,7 +281,7 @@ def sines(m, count, least):
                 ux, uy = xy[c, 0] - xy[b, 0], xy[c, 1] - xy[b, 1]
                 wx, wy = xy[a, 0] - xy[b, 0], xy[a, 1] - xy[b, 1]
                 area, uu, ww = ux * wy - uy * wx, _square(ux, uy), _square(wx, wy)
-                flat = not area > FLAT_SHARE * (uu + ww)
+                flat = not area > FLAT_SHARE * (uu + ww) + NO_AREA
                 sine = -1.0 if flat else area / (math.sqrt(uu) * math.sqrt(ww))
                 lowest = min(lowest, sine)
                 if sine < least:
@@ -298,7 +299,12 @@ def mark_flat(m, found):
         n = sides_of(cells, t)
         for k in range(n):
             a, b, c = cells[t, k], cells[t, (k + 1) % n], cells[t, (k + 2) % n]
-            ux, uy, wx, wy = xy[c, 0] - xy[b, 0], xy[c, 1] - xy[b, 1], xy[a, 0] - xy[b, 0], xy[a, 1] - xy[b, 1]
-            if not ux * wy - uy * wx > FLAT_SHARE * (_square(ux, uy) + _square(wx, wy)):
+            ux, uy, wx, wy = (
+                xy[c, 0] - xy[b, 0],
+                xy[c, 1] - xy[b, 1],
+                xy[a, 0] - xy[b, 0],
+                xy[a, 1] - xy[b, 1],
+            )
+            if not ux * wy - uy * wx > FLAT_SHARE * (_square(ux, uy) + _square(wx, wy)) + NO_AREA:
                 for i in range(n):
                     found[cells[t, i]] = True

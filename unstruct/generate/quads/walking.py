@@ -23,9 +23,12 @@ from numpy.typing import NDArray
 
 from ...base.jit import apart, inline, kernel
 from .linked import Linked, across, are_neighbors, new_cell, place_of, room_at, sides_of, without_cell
-from .relaxing import sines, relax
+from .relaxing import relax, sines
 
-__all__ = ["enough_room", "keep", "no_worse", "merged", "put_back", "stepped", "walk"]
+__all__ = [
+    "FARTHEST", "SEARCHES_A_CALL", "enough_room", "in_vain", "keep", "merged", "no_worse", "put_back",
+    "searching", "step_on", "stepped", "walk",
+]  # fmt: skip
 
 STEP_ROUNDS = 4  # of moves around a step
 MERGE_ROUNDS = 6
@@ -174,7 +177,7 @@ def in_vain(q, many, s, o):
 def _nearest(m, q, t, number, many, far):
     """The triangle that fewest quadrilaterals are in between, by a search in breadth; -1 if none is near.
 
-    The first ``many`` steps in ``vain`` are not taken. ``before`` has the way back; ``number`` is the search's.
+    The first ``many`` steps in ``vain`` are not taken. ``before`` has the way back.
     """
     q.seen[t], q.before[t], q.queue[0] = number, -1, t
     head, tail = 0, 1
