@@ -99,7 +99,7 @@ def for_sphinx(text: str) -> str:
         rf'^((?:> ?)*)<a id="((?:{NUMBERED})-[\w-]+)"></a>[ ]*(?:\n\1)?', r"\1(\2)=\n\1", text, flags=re.M
     )
     text = re.sub(rf"\]\([\w.-]*#((?:{NUMBERED})-[\w-]+)\)", r"](#\1)", text)
-    text = re.sub(r"(\]\([\w.-]+\.ipynb#)([^)\s]+)\)", lambda link: f"{link[1]}{slug(link[2])})", text)
+    text = re.sub(r"(\]\((?:[\w.-]+\.ipynb)?#)([^)\s]+)\)", lambda link: f"{link[1]}{slug(link[2])})", text)
     return re.sub(r"^((?:> ?)*)\$\$(.+?)\$\$$", displayed, text, flags=re.M | re.S)
 
 

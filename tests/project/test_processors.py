@@ -131,7 +131,7 @@ def test_meshes_are_equal_bit_for_bit(setting: str) -> None:
 @pytest.mark.parametrize("setting", ["another", "oldest"])
 def test_what_chapters_print_that_solve_something(setting: str) -> None:
     paths = that_solve()
-    names = "2.1- 2.2a 2.3- 2.4b 2.6a 2.6d 2.7- 2.8a 2.8b 2.8c 3.3- 4b-t 4c-t 5-pr".split()
+    names = "2.1- 2.2a 2.3- 2.4b 2.6a 2.6d 2.7- 2.8a 2.8b 2.8c 2.8d 3.3- 4b-t 4c-t 5-pr".split()
     assert {path.name[:4] for path in paths} == set(names)
     found = processors.compared(named(setting), paths)
     text = "\n".join(f"{where}\n{processors.shown(text)}" for where, text in found.items())

@@ -57,6 +57,8 @@ def voronoi_segment(
 ) -> Iterator[Insertion]:
     """Insert points on Voronoi segments until no triangle at the front has one.
 
+    A triangle that has had none is not tried again, even if its neighbors have changed.
+
     Parameters
     ----------
     points : n points of two numbers

@@ -193,7 +193,7 @@ def refine(
     `tetrahedralize` does. ``counts``: "circumcenters", "segment points",
     "facet points", points that were "refused", and cells that miss "size" and "shape".
     O(n log n) in practice. Source: J. R. Shewchuk, Symposium on Computational Geometry (1998) 86-95; H. Si,
-    ACM Trans. Math. Softw. 41 (2015) 11. Book: 2.8c.
+    ACM Trans. Math. Softw. 41 (2015) 11. Book: 2.8d.
     """
     check_split_boundary(split_boundary)
     as_flags(history=history, progress=progress)

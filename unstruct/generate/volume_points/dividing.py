@@ -1,7 +1,7 @@
 """Points on subsegments and on faces of facets, compiled. Each is put only if nothing is too near to it.
 
 A point that is wanted for a face but is in the sphere of a subsegment is not put: the subsegment is divided
-first. See the book, 2.8c.
+first. See the book, 2.8d.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 A size h is a wanted edge length. As in the plane, a cell is too large if its circumradius exceeds
 h / sqrt(2); a new point is then farther than that from all vertices that it sees, and edges are at most
-sqrt(2) h long in the end. See the book, 2.8c.
+sqrt(2) h long in the end. See the book, 2.8d.
 """
 
 from __future__ import annotations

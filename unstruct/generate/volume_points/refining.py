@@ -1,4 +1,4 @@
-"""Delaunay refinement of bodies: `refine` in space (section 2.8c of the book)."""
+"""Delaunay refinement of bodies: `refine` in space (section 2.8d of the book)."""
 
 from __future__ import annotations
 

@@ -4,7 +4,7 @@ A segment is *sharp* if two facets meet there at less than 60 degrees, a vertex 
 than 45, or if a sharp segment ends there. Vertices on two pieces that meet at something sharp come as near to
 each other as one likes, whatever is divided: so no division is asked for because of them. Facets that are
 nearly in one plane, as the triangles into which a plane side of a file is cut, are treated as if they met
-sharply; edges stay, and needles among them are not divided for the shape's sake. See the book, 2.8c.
+sharply; edges stay, and needles among them are not divided for the shape's sake. See the book, 2.8d.
 """
 
 from __future__ import annotations

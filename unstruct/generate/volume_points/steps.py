@@ -1,7 +1,7 @@
 """Steps of an insertion in space: what waits is divided, subsegments first, then faces, then cells.
 
 A point that is wanted for a cell but is in the sphere of a subsegment or a face, or beyond one, is not put:
-that is divided first. See `dividing` for points on these, and the book, 2.8c.
+that is divided first. See `dividing` for points on these, and the book, 2.8d.
 """
 
 from __future__ import annotations
