@@ -9,7 +9,7 @@ import unstruct
 from unstruct import Domain
 from unstruct.generate.quads import packing
 from unstruct.generate.quads.crosses import cross_field
-from unstruct.generate.quads.packing import NEAREST, NEAREST_SIDE, Guide, packed
+from unstruct.generate.quads.packing import NEAREST_POINT, NEAREST_SIDE, Guide, packed
 from unstruct.generate.quads.recombine import on_pieces
 
 
@@ -48,7 +48,7 @@ def test_no_two_in_a_square(turn):
     largest = np.abs(apart).max(axis=2)
     largest[len(points) :, len(points) :] = np.inf  # of the given ones
     np.fill_diagonal(largest, np.inf)
-    assert largest.min() >= NEAREST * h * (1 - 1e-9)
+    assert largest.min() >= NEAREST_POINT * h * (1 - 1e-9)
     a, b = mesh.points[mesh.segments].transpose(1, 0, 2)
     along = ((points[:, None] - a) * (b - a)).sum(axis=2) / ((b - a) ** 2).sum(axis=1)
     foot = a + np.clip(along, 0, 1)[..., None] * (b - a)

@@ -47,7 +47,7 @@ def test_the_coast():
         mesh = unstruct.quadrilaterals(domain, examples.coastline_size(domain))
     assert unstruct.check(mesh, domain=domain)
     assert mesh.figures["share of quadrilaterals"] > 0.995
-    assert mesh.figures["mean deviation"] < 15.3
+    assert mesh.figures["mean deviation"] < 15.5
     assert mesh.reasons.tolist() == ["triangle"] * mesh.counts["triangles"]
 
 

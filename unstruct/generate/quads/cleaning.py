@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from ...base.jit import apart, inline, kernel
 from .linked import (
-    CROWD,
-    ROOM,
+    CELLS_IN_CROWD,
+    ROOM_FOR_CELLS,
     Linked,
     across,
     are_neighbors,
@@ -188,7 +188,10 @@ def _turn(m, t, least):
 
 @kernel
 def _clean_some(m, least, start, stop, counts):
-    members, rows = np.empty(CROWD + ROOM, dtype=np.int64), np.empty((CROWD + ROOM, 4), dtype=np.int64)
+    members, rows = (
+        np.empty(CELLS_IN_CROWD + ROOM_FOR_CELLS, dtype=np.int64),
+        np.empty((CELLS_IN_CROWD + ROOM_FOR_CELLS, 4), dtype=np.int64),
+    )
     for v in range(start, min(stop, len(m.xy))):
         if _join_doublet(m, v, least):
             counts[0] += 1

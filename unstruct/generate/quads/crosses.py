@@ -16,9 +16,9 @@ from ...base.jit import inline, kernel
 
 __all__ = ["arm_of", "cross_field"]
 
-SWEEPS = 200
+CROSS_SWEEPS = 200
 SMALL_CHANGE = 1e-3  # of a pair in a sweep; below it the field stands
-NO_DIRECTION = 1e-3  # shorter sums of pairs at the boundary have none: the vertex is as one inside
+NO_CROSS = 1e-3  # shorter sums of pairs at the boundary have none: the vertex is as one inside
 
 
 @inline
@@ -61,7 +61,7 @@ def _along_sides(xy, sides, pair, known):
             known[v] = True
     for v in range(len(xy)):
         length = math.sqrt(pair[v, 0] ** 2 + pair[v, 1] ** 2)
-        if known[v] and length > NO_DIRECTION:
+        if known[v] and length > NO_CROSS:
             pair[v, 0] /= length
             pair[v, 1] /= length
         else:
@@ -144,7 +144,7 @@ def cross_field(
     pair, known = np.zeros((n, 2)), np.zeros(n, dtype=bool)
     _along_sides(xy, sides.astype(np.int64), pair, known)
     _spread(start, ends, known, pair, np.empty(n, dtype=np.int64))
-    for k in range(SWEEPS):
+    for k in range(CROSS_SWEEPS):
         if _sweep(start, ends, known, pair, k % 2 == 0) < SMALL_CHANGE:
             break
     return pair

@@ -22,7 +22,7 @@ from ...base.jit import apart, inline, kernel
 from .linked import Linked, across, middle_of, new_cell, place_of, sides_of, without_cell
 from .relaxing import relax, sines
 from .walking import (
-    FARTHEST,
+    FARTHEST_GOAL,
     SEARCHES_A_CALL,
     enough_room,
     in_vain,
@@ -37,7 +37,7 @@ from .walking import (
 __all__ = ["divide"]
 
 DIVISION_ROUNDS = 6  # of moves around a division
-STRAIGHT = 2  # cells at a vertex on a straight side
+CELLS_AT_SIDE = 2  # cells at a vertex on a straight side
 
 
 @inline
@@ -101,7 +101,7 @@ def divided(m, t, k, least):
             new_cell(m, o, (a, w, d, e))
         relax(m, 6, DIVISION_ROUNDS)
         if no_worse(m, 6, least, lowest, bad):
-            m.ideal[w] = STRAIGHT
+            m.ideal[w] = CELLS_AT_SIDE
             return True
         put_back(m, 6)
         without_cell(m, t)
@@ -179,6 +179,6 @@ def divide(m: Linked, least: float) -> int:
     """
     q, t, number, total = searching(m), 0, 0, 0
     while t < len(m.cells):
-        gone, t, number = _divide_some(m, q, t, number, min(FARTHEST, len(m.cells)), least)
+        gone, t, number = _divide_some(m, q, t, number, min(FARTHEST_GOAL, len(m.cells)), least)
         total += int(gone)
     return total

@@ -79,6 +79,7 @@ def improved(
     counts["divided"] = 0
     for sine in DIVIDING_SINES if (middle >= 0).any() else ():
         counts["divided"] += divide(m, sine)
+        clean(m, LEAST_SINES[1], CLEANINGS, changes)
         counts["pairs won by walking"] += walk(m, sine)
     moves += relax_everywhere(m, LAST_MOVES)
     counts |= dict(zip(("doublets", "collapsed", "turned"), changes.tolist())) | {"moves": moves}

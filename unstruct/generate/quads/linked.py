@@ -16,13 +16,15 @@ from ...base.elementary import angle_of
 from ...base.jit import inline, kernel
 
 __all__ = [
-    "CROWD", "ROOM", "Linked", "across", "are_neighbors", "linked", "middle_of", "new_cell", "place_of",
-    "room_at", "sides_of", "without_cell",
+    "CELLS_IN_CROWD", "ROOM_FOR_CELLS", "Linked", "across", "are_neighbors", "linked", "middle_of",
+    "new_cell", "place_of", "room_at", "sides_of", "without_cell",
 ]  # fmt: skip
 
-RIGHT = math.pi / 2
-ROOM = 8  # cells that a vertex may have beyond those at first
-CROWD = 64  # a vertex with more cells gets no others: what is done at a vertex takes time like their square
+QUARTER_CIRCLE = math.pi / 2
+ROOM_FOR_CELLS = 8  # cells that a vertex may have beyond those at first
+CELLS_IN_CROWD = (
+    64  # a vertex with more cells gets no others: what is done at a vertex takes time like their square
+)
 
 
 class Linked(NamedTuple):
@@ -134,7 +136,7 @@ def _ideals(m):
                 wx, wy = m.xy[a, 0] - m.xy[v, 0], m.xy[a, 1] - m.xy[v, 1]
                 angle += angle_of(ux * wy - uy * wx, ux * wx + uy * wy)
                 t = across(m, t, a, v)
-            total += max(1, int(angle / RIGHT + 0.5))
+            total += max(1, int(angle / QUARTER_CIRCLE + 0.5))
             sectors += 1
         if sectors > 0:
             m.ideal[v] = total
@@ -201,7 +203,7 @@ def linked(
     """
     n = len(xy)
     many = np.bincount(cells[cells >= 0], minlength=n)
-    place = np.concatenate([[0], np.cumsum(many + np.where(many <= CROWD, ROOM, 0))])
+    place = np.concatenate([[0], np.cumsum(many + np.where(many <= CELLS_IN_CROWD, ROOM_FOR_CELLS, 0))])
     at, degree = np.full(place[-1], -1, dtype=np.int64), np.zeros(n, dtype=np.int64)
     _fill(cells, at, place, degree)
     may = middle >= 0
@@ -217,7 +219,7 @@ def linked(
     halves = np.concatenate([halves, halves])
     order = np.argsort(ends[:, 0], kind="stable")
     start = np.searchsorted(ends[order, 0], np.arange(n + 1))
-    scratch = 8 * (CROWD + ROOM)  # the vertices of the cells at two vertices
+    scratch = 8 * (CELLS_IN_CROWD + ROOM_FOR_CELLS)  # the vertices of the cells at two vertices
     m = Linked(
         xy, cells, at, place, degree, ~fixed, np.full(n, 4), start, ends[order, 1], halves[order],
         np.empty(scratch, dtype=np.int64), np.empty((scratch, 2)), np.empty(5),

@@ -15,7 +15,7 @@ from .crosses import arm_of
 
 __all__ = ["Guide", "packed"]
 
-NEAREST = 0.7  # of the wanted length, in the norm whose unit ball is the square along the cross
+NEAREST_POINT = 0.7  # of the wanted length, in the norm whose unit ball is the square along the cross
 NEAREST_SIDE = 0.6  # of the wanted length, from a side of the boundary
 WALK_LIMIT = 10_000  # triangles
 STEPS_A_CALL = 50_000  # Ctrl-C works between calls
@@ -134,7 +134,7 @@ def _is_free(g, p, n, t, x, y, c, s, length):
 
     The search spreads over the triangles that the square's circle meets, across sides that are open.
     """
-    half = NEAREST * length
+    half = NEAREST_POINT * length
     radius = 2.0 * half * half
     near = (NEAREST_SIDE * length) ** 2
     p.stack[0], depth = t, 1
@@ -244,7 +244,7 @@ def packed(g: Guide, budget: int) -> NDArray[np.float64]:
     area = _areas(g.xy, g.triangles)
     squares = (area / (g.length[g.triangles].min(axis=1) * g.length[g.triangles].max(axis=1))).sum()
     most = len(given) + budget
-    n = min(most, len(given) + int(min(MOST_AT_FIRST, 1.5 * squares / NEAREST)) + 64)
+    n = min(most, len(given) + int(min(MOST_AT_FIRST, 1.5 * squares / NEAREST_POINT)) + 64)
     p = Packed(
         np.empty((n, 2)), np.empty((n, 2)), np.empty(n), np.full(n, -1), np.full(n, -1),
         np.full(len(area), -1), np.full(n, -1), np.zeros(len(area), dtype=np.int64),

@@ -30,9 +30,13 @@ from .recombine import Middles, on_pieces, recombined
 
 __all__ = ["quadrilaterals"]
 
-GROWTH = 0.5  # of the lengths per unit of length, beside edges of the boundary that are shorter than wanted
-ACCEPTED = 1.35  # of the triangles of the guide: see `voronoi_segment`
-SHORTEST = 2.0**-44  # of the largest coordinate: where lengths are less, points are as far apart as this
+LENGTH_GROWTH = (
+    0.5  # of the lengths per unit of length, beside edges of the boundary that are shorter than wanted
+)
+GUIDE_ACCEPTED = 1.35  # of the triangles of the guide: see `voronoi_segment`
+SHORTEST_LENGTH = (
+    2.0**-44
+)  # of the largest coordinate: where lengths are less, points are as far apart as this
 TOO_LONG = 2.0  # lengths; longer sides are told if the budget was not enough
 
 
@@ -56,7 +60,8 @@ def quadrilaterals(
     finish : bool
         Whether to improve the pairs of triangles, as `recombine` does.
     split_boundary : bool or "inner"
-        As in `voronoi_segment`: whether edges of the boundary may be divided further.
+        As in `voronoi_segment`: whether edges of the boundary may be divided further, also where a triangle
+        is left: with one more edge it becomes a quadrilateral. Pieces inside are not divided for that.
     budget : int, optional
         The largest number of points inside; 10^7 by default. `DomainMesh.complete` says whether they were
         enough.
@@ -67,7 +72,9 @@ def quadrilaterals(
     -------
     DomainMesh
         ``cells`` has "quad", and "triangle" if some are left, which ``unrefined`` lists. Every cell is
-        convex. Counts and figures are those of `recombine`, and "points", which were packed inside.
+        convex. Counts and figures are those of `recombine`, "points", which were packed inside, and
+        "divided", edges of the boundary. If the budget is spent, cells with a side of more than twice the
+        wanted length are listed in ``unrefined``, too.
 
     Raises
     ------
@@ -93,7 +100,7 @@ def quadrilaterals(
     with progress_bar(progress, " points") as bar:
         complex_ = planar_complex(domain, size, progress=progress)
         wanted = as_size(size_by_region(complex_, size, domain.regions))
-        rule = rule_of(ACCEPTED, "center", "first", None, bool(split_boundary))
+        rule = rule_of(GUIDE_ACCEPTED, "center", "first", None, bool(split_boundary))
         run = VoronoiSegmentRun(domain, complex_, wanted, None, rule, kept, False)
         run.insert(budget, bar)
         guide = run.result()
@@ -162,9 +169,9 @@ def _lengths(
     total = np.bincount(ends.ravel(), np.repeat(length, 2), len(xy))
     many = np.bincount(ends.ravel(), minlength=len(xy))
     mean = np.divide(total, many, out=np.full(len(many), np.inf), where=many > 0)
-    shortest = SHORTEST * float(np.abs(xy).max())
+    shortest = SHORTEST_LENGTH * float(np.abs(xy).max())
     least = np.maximum(np.minimum(wanted(mesh.points), mean / factor), shortest / factor)
-    return np.maximum(limit_nodes(mesh, least, GROWTH) * factor, shortest)
+    return np.maximum(limit_nodes(mesh, least, LENGTH_GROWTH) * factor, shortest)
 
 
 def _guide(

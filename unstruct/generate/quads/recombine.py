@@ -23,7 +23,7 @@ from .pairing import pairs_of_triangles
 
 __all__ = ["Middles", "on_pieces", "recombine", "recombined"]
 
-SHARPEST = 0.97  # the largest cosine of an angle of a pair that is improved later: 14 degrees
+SHARPEST_PAIR = 0.97  # the largest cosine of an angle of a pair that is improved later: 14 degrees
 
 
 def recombine(mesh: Mesh, *, improve: bool = True) -> DomainMesh:
@@ -102,7 +102,7 @@ def recombined(mesh: Mesh, improve: bool, middles: Middles | None = None) -> Dom
         closed |= on_pieces(mesh)
     rows = np.asarray(mesh.simplices)
     single, quads, both = pairs_of_triangles(
-        mesh.points, rows, mesh.neighbors, closed, *([SHARPEST] if improve else [])
+        mesh.points, rows, mesh.neighbors, closed, *([SHARPEST_PAIR] if improve else [])
     )
     cells = np.concatenate([np.column_stack([rows[single], np.full(len(single), -1)]), quads]).astype(
         np.int64

@@ -14,8 +14,8 @@ from .linked import Linked, place_of, sides_of
 
 __all__ = ["mark_flat", "relax", "relax_everywhere", "ring_of", "sines"]
 
-FLAT_SHARE = 1e-12  # of the squares of its sides, below which the area at a corner counts as none
-NO_AREA = 1e-290  # products of smaller numbers lose digits
+FLAT_CORNER = 1e-12  # of the squares of its sides, below which the area at a corner counts as none
+LOST_AREA = 1e-290  # products of smaller numbers lose digits
 EVEN_SIDES = 0.1  # the share of a corner's cost that grows if its sides are of different lengths
 TRIANGLE_COST = 0.35  # a triangle beside quadrilaterals: its corners cost this much, if it is equilateral
 TRIANGLE_UNIT = TRIANGLE_COST / (2.0 * math.sqrt(0.75))
@@ -24,7 +24,7 @@ LONGEST_STEP = 0.3  # in mean lengths of the edges at a vertex
 STEP_HALVINGS = 4
 SEARCH_HALVINGS = 6  # of a search in eight directions, where corners turn right
 MOVES_A_CALL = 100_000  # vertices visited in one kernel call: Ctrl-C works between calls
-LEAST_GAIN = 1e-4  # relative; smaller ones end the search
+LEAST_MOVE_GAIN = 1e-4  # relative; smaller ones end the search
 
 
 @inline
@@ -45,7 +45,7 @@ def _costs_at(m, v, unit):
             ux, uy = (xy[c, 0] - xy[b, 0]) * unit, (xy[c, 1] - xy[b, 1]) * unit
             wx, wy = (xy[a, 0] - xy[b, 0]) * unit, (xy[a, 1] - xy[b, 1]) * unit
             area, uu, ww = ux * wy - uy * wx, ux * ux + uy * uy, wx * wx + wy * wy
-            if not area > FLAT_SHARE * (uu + ww):
+            if not area > FLAT_CORNER * (uu + ww):
                 turned += 1
             elif n == 4:
                 p, q = uu / area, ww / area
@@ -188,11 +188,11 @@ def _move(m, v):
             xy[v, 0], xy[v, 1] = x, y
             new = cost
             share *= 0.5
-        done = not new < cost * (1.0 - LEAST_GAIN)
+        done = not new < cost * (1.0 - LEAST_MOVE_GAIN)
         cost = new
         if done:
             break
-    return turned < first_turned or cost < first * (1.0 - LEAST_GAIN)
+    return turned < first_turned or cost < first * (1.0 - LEAST_MOVE_GAIN)
 
 
 @apart
@@ -281,7 +281,7 @@ def sines(m, count, least):
                 ux, uy = xy[c, 0] - xy[b, 0], xy[c, 1] - xy[b, 1]
                 wx, wy = xy[a, 0] - xy[b, 0], xy[a, 1] - xy[b, 1]
                 area, uu, ww = ux * wy - uy * wx, _square(ux, uy), _square(wx, wy)
-                flat = not area > FLAT_SHARE * (uu + ww) + NO_AREA
+                flat = not area > FLAT_CORNER * (uu + ww) + LOST_AREA
                 sine = -1.0 if flat else area / (math.sqrt(uu) * math.sqrt(ww))
                 lowest = min(lowest, sine)
                 if sine < least:
@@ -305,6 +305,6 @@ def mark_flat(m, found):
                 xy[a, 0] - xy[b, 0],
                 xy[a, 1] - xy[b, 1],
             )
-            if not ux * wy - uy * wx > FLAT_SHARE * (_square(ux, uy) + _square(wx, wy)) + NO_AREA:
+            if not ux * wy - uy * wx > FLAT_CORNER * (_square(ux, uy) + _square(wx, wy)) + LOST_AREA:
                 for i in range(n):
                     found[cells[t, i]] = True

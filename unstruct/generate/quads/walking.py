@@ -26,13 +26,13 @@ from .linked import Linked, across, are_neighbors, new_cell, place_of, room_at, 
 from .relaxing import relax, sines
 
 __all__ = [
-    "FARTHEST", "SEARCHES_A_CALL", "enough_room", "in_vain", "keep", "merged", "no_worse", "put_back",
+    "FARTHEST_GOAL", "SEARCHES_A_CALL", "enough_room", "in_vain", "keep", "merged", "no_worse", "put_back",
     "searching", "step_on", "stepped", "walk",
 ]  # fmt: skip
 
 STEP_ROUNDS = 4  # of moves around a step
 MERGE_ROUNDS = 6
-FARTHEST = 4000  # quadrilaterals that a triangle looks through for another one
+FARTHEST_GOAL = 4000  # quadrilaterals that a triangle looks through for another one
 FAILED_STEPS = 30  # of a triangle, until it rests
 SEARCHES_A_CALL = 100  # Ctrl-C works between calls
 
@@ -273,6 +273,6 @@ def walk(m: Linked, least: float) -> int:
     """
     q, t, number, total = searching(m), 0, 0, 0
     while t < len(m.cells):
-        met, t, number = _walk_some(m, q, t, number, min(FARTHEST, len(m.cells)), least)
+        met, t, number = _walk_some(m, q, t, number, min(FARTHEST_GOAL, len(m.cells)), least)
         total += int(met)
     return total
