@@ -64,6 +64,8 @@ from .generate.planting.planting import octree as octree
 from .generate.planting.planting import quadtree as quadtree
 from .generate.planting.tree import Tree as Tree
 from .generate.prisms.prismatic_layers import prismatic_layers as prismatic_layers
+from .generate.quads.quadrilaterals import quadrilaterals as quadrilaterals
+from .generate.quads.recombine import recombine as recombine
 from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
 from .generate.refinement.refine import refine as refine
 from .generate.stuffing.stuffing import isosurface_stuffing as isosurface_stuffing
@@ -127,7 +129,9 @@ __all__ = [
     "plain",
     "predicates",
     "prismatic_layers",
+    "quadrilaterals",
     "quadtree",
+    "recombine",
     "refine",
     "remesh",
     "second_order",

@@ -155,6 +155,11 @@ def _gift_wrap() -> None:
     unstruct.gift_wrap(_points(3))
 
 
+def _quads() -> None:
+    unstruct.quadrilaterals(_ring(), 0.2)
+    unstruct.recombine(unstruct.refine(_ring(), 0.3))
+
+
 def _insert() -> None:
     for d in (2, 3):
         unstruct.insert(unstruct.delaunay(_points(d)), [0.5] * d)
@@ -204,6 +209,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "conforming triangulation": _conforming,
     "circumcenters": _circumcenters,
     "smoothing": _smooth,
+    "quadrilaterals": _quads,
     "trees": _trees,
     "Delaunay surfaces": _delaunay_surfaces,
     "sizes": _sizes,

@@ -78,6 +78,8 @@ def _calls() -> dict[str, tuple[Callable[..., Any], tuple[Any, ...], dict[str, A
         "Voronoi segments in a body": (u.voronoi_segment, (BOX, 0.6), {}),
         "circumcenter_insertion": (u.circumcenter_insertion, (SQUARE, 0.3), {}),
         "voronoi_segment": (u.voronoi_segment, (SQUARE, 0.3), {}),
+        "recombine": (u.recombine, (delaunay,), {}),
+        "quadrilaterals": (u.quadrilaterals, (SQUARE, 0.3), {}),
         "advancing_front": (u.advancing_front, (SQUARE, 0.3), {}),
         "classical front": (u.advancing_front, (SQUARE, 0.3), {"method": "classical"}),
         "classical front in space": (u.advancing_front, (BOX, 0.6), {"method": "classical"}),
