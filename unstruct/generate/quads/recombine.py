@@ -46,7 +46,8 @@ def recombine(mesh: Mesh, *, improve: bool = True) -> DomainMesh:
         remain. ``counts``: "quadrilaterals" and "triangles", then "pairs", "pairs won by walking",
         "doublets", "collapsed" and "turned" cells, and "moves". ``figures``: "share of quadrilaterals" among
         the cells, "mean deviation" (of the angles of quadrilaterals from 90 degrees), "minimum angle" and
-        "maximum angle" of all cells, in degrees. ``unrefined`` lists the triangles that are left.
+        "maximum angle" of all cells, in degrees. ``unrefined`` lists the triangles that are left; if there
+        are some after the improvement, a warning tells it.
 
     Raises
     ------
@@ -69,7 +70,8 @@ def recombine(mesh: Mesh, *, improve: bool = True) -> DomainMesh:
     >>> unstruct.recombine(mesh).figures["share of quadrilaterals"] > 0.9
     True
     """
-    return noticed(recombined(mesh, as_flag(improve, "improve")))
+    result = recombined(mesh, as_flag(improve, "improve"))
+    return noticed(result) if improve else result
 
 
 class Middles(NamedTuple):
