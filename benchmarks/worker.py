@@ -144,6 +144,13 @@ def threads(case: dict) -> dict[str, Any]:
     return both_ways(case)
 
 
+def parallel(case: dict) -> dict[str, Any]:
+    """One region in parts."""
+    from .parallel import measured
+
+    return measured(case)
+
+
 def solid(case: dict) -> list[dict[str, Any]]:
     """What a mesher makes of CAD-like bodies."""
     from .solids import judged
@@ -153,11 +160,12 @@ def solid(case: dict) -> list[dict[str, Any]]:
 
 JOBS = {
     "timed": timed, "meshed": meshed, "memory": memory, "start": start, "threads": threads, "solid": solid,
+    "parallel": parallel,
 }  # fmt: skip
 
 if __name__ == "__main__":
     os.environ.update(ONE)
     job = json.loads(sys.argv[1])
-    if job["job"] != "threads":
+    if job["job"] not in ("threads", "parallel"):
         pin()
     print("\n" + json.dumps(JOBS[job["job"]](job)))

@@ -5,8 +5,9 @@ Points: `delaunay`, `Triangulation`, `gift_wrap`, `insert`, `voronoi`, `Voronoi`
 
 Regions: `Domain` with `Arc`, `Bezier`, `Curve`, `Spacing`; `constrained_delaunay`, `conforming_delaunay`,
 `refine`, `circumcenter_insertion`, `voronoi_segment`, `advancing_front`, `front_delaunay`, `smooth`;
-`advancing_layers` with `Layers`. Bodies: `constrained_delaunay`, `tetrahedralize`, `prismatic_layers`,
-`improve`. Surfaces: `remesh`, `surface_delaunay`, `curvature` with `Curvature`.
+`advancing_layers` with `Layers`; `mesh_parts` with `Parts`. Bodies: `constrained_delaunay`,
+`tetrahedralize`, `prismatic_layers`, `improve`. Surfaces: `remesh`, `surface_delaunay`, `curvature` with
+`Curvature`.
 Trees over boxes, regions and bodies: `quadtree`, `octree`, `Tree`; `isosurface_stuffing`.
 
 Results: `Mesh`, `DomainMesh`, `Report`; `check`, `statistics`, `compare`; `join`; `second_order`,
@@ -57,10 +58,14 @@ from .generate.front.advancing_front import advancing_front as advancing_front
 from .generate.front.delaunay_front import front_delaunay as front_delaunay
 from .generate.improve.smoothing import smooth as smooth
 from .generate.layers.advancing_layers import advancing_layers as advancing_layers
+from .generate.parallel.mesh_parts import Parts as Parts
+from .generate.parallel.mesh_parts import mesh_parts as mesh_parts
 from .generate.planting.planting import octree as octree
 from .generate.planting.planting import quadtree as quadtree
 from .generate.planting.tree import Tree as Tree
 from .generate.prisms.prismatic_layers import prismatic_layers as prismatic_layers
+from .generate.quads.quadrilaterals import quadrilaterals as quadrilaterals
+from .generate.quads.recombine import recombine as recombine
 from .generate.rebay.voronoi_segment import voronoi_segment as voronoi_segment
 from .generate.refinement.refine import refine as refine
 from .generate.stuffing.stuffing import isosurface_stuffing as isosurface_stuffing
@@ -95,6 +100,7 @@ __all__ = [
     "Layers",
     "Mesh",
     "MeshError",
+    "Parts",
     "Report",
     "Spacing",
     "Tree",
@@ -118,11 +124,14 @@ __all__ = [
     "interpolate",
     "isosurface_stuffing",
     "join",
+    "mesh_parts",
     "octree",
     "plain",
     "predicates",
     "prismatic_layers",
+    "quadrilaterals",
     "quadtree",
+    "recombine",
     "refine",
     "remesh",
     "second_order",

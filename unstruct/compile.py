@@ -107,6 +107,10 @@ def _segments() -> None:
     renumber(planar_complex(_ring()), 0)  # as for large meshes
 
 
+def _in_parts() -> None:
+    unstruct.mesh_parts(_ring(), 0.05, 2)
+
+
 def _fronts() -> None:
     unstruct.advancing_front(_ring(), 0.5)
     unstruct.advancing_front(_ring(), _grid)
@@ -151,6 +155,11 @@ def _gift_wrap() -> None:
     unstruct.gift_wrap(_points(3))
 
 
+def _quads() -> None:
+    unstruct.quadrilaterals(_ring(), 0.2)
+    unstruct.recombine(unstruct.refine(_ring(), 0.3))
+
+
 def _insert() -> None:
     for d in (2, 3):
         unstruct.insert(unstruct.delaunay(_points(d)), [0.5] * d)
@@ -189,6 +198,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "bodies": _bodies,
     "points in bodies": _body_points,
     "Voronoi segments": _segments,
+    "in parts": _in_parts,
     "advancing fronts": _fronts,
     "advancing fronts in space": _fronts_in_space,
     "metrics": _metrics,
@@ -199,6 +209,7 @@ TASKS: dict[str, Callable[[], None]] = {
     "conforming triangulation": _conforming,
     "circumcenters": _circumcenters,
     "smoothing": _smooth,
+    "quadrilaterals": _quads,
     "trees": _trees,
     "Delaunay surfaces": _delaunay_surfaces,
     "sizes": _sizes,

@@ -120,6 +120,18 @@ def shore_size() -> Any:
 
 
 @case
+def quadrilaterals() -> Arrays:
+    for domain, size in (
+        (spline(), 0.2), (harbor(), graded), (wing(), shore_size()),
+    ):  # fmt: skip
+        for mesh in (
+            unstruct.quadrilaterals(domain, size), unstruct.recombine(unstruct.voronoi_segment(domain, size)),
+        ):  # fmt: skip
+            yield mesh.points
+            yield from mesh.cells.values()
+
+
+@case
 def advancing_layers() -> Arrays:
     domain, layers = examples.wing_with_flap(), unstruct.Layers(first=1e-3, growth=1.25)
     size = sizing.sources([[0.5, 0.0], [1.1, -0.15]], 0.04, growth=0.3, far=1.0)

@@ -19,6 +19,7 @@ from benchmarks import (
     layers_report,
     machine,
     meshers,
+    parallel,
     planar,
     planar_report,
     quality,
@@ -100,6 +101,17 @@ def test_two_threads(tmp_path, monkeypatch, capsys):
     assert "one by one ÷ at once" in capsys.readouterr().out
 
 
+def test_in_parts(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(parallel, "SIZES", {"strong": (2000,), "weak": (1000,), "overhead": (1000,)})
+    monkeypatch.setattr(parallel, "EXECUTORS", (("map", 1), ("threads", 2)))
+    no_processes(monkeypatch)
+    assert __main__.main(["parallel", *RUN, str(tmp_path)]) == 0
+    rows = json.loads((tmp_path / "parallel.json").read_text())["rows"]
+    assert [row["parts"] for row in rows] == [8, 8, 4, 8, 40, 40]
+    assert rows[0]["cells"] == rows[1]["cells"] > 1500
+    assert "ms a part" in capsys.readouterr().out
+
+
 def made_up(name: str, n: int, seconds: float, **more: Any) -> dict[str, Any]:
     case = {"measure": "time", "dimension": 2, "kind": "uniform", "n": n}
     return {**case, "contestant": name, "seconds": seconds, **more}
@@ -121,7 +133,7 @@ def test_ratios_growth_and_bold_losses():
     assert lines[4] == "| uniform | 10⁵ | 1 | **0.16** | 3.00 (itself **0.45**) |"
 
 
-@pytest.mark.parametrize("reporter", [report, planar_report, small_report, threads])
+@pytest.mark.parametrize("reporter", [report, planar_report, small_report, threads, parallel])
 def test_a_run_without_a_case_has_no_plot(tmp_path, reporter):
     result = {"suite": "none", "machine": "it", "load": [0, 0], "versions": {}, "failures": [], "rows": []}
     paths = report.write(result, tmp_path, reporter)

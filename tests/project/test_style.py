@@ -32,7 +32,8 @@ domain/arguments domain/plane domain/space domain
 generate/volume generate/boundary generate/volume_points generate/refinement generate/centers
 generate/improve generate/rebay generate/bodies generate/surface generate/advancing
 generate/space_front generate/front generate/layers generate/prisms
-generate/tree generate/tree_regions generate/stuffing generate/hexahedra generate/planting
+generate/quads generate/tree generate/tree_regions generate/stuffing generate/hexahedra generate/planting
+generate/parallel
 assess examples
 view/draw view/scenes view/widgets view
 command __main__

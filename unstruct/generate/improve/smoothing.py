@@ -20,7 +20,7 @@ from ...mesh.topology import twins
 from ...predicates.batch import unscaled
 from .rounds import CENTROID, FLIPS, INVALID, LAPLACE, LOOKED, MOVED, OPTIMAL, SEARCH, WORSE, smooth_round
 
-__all__ = ["smooth"]
+__all__ = ["smooth", "staying"]
 
 METHODS = {"laplace": LAPLACE, "optimal": OPTIMAL, "centroid": CENTROID, "search": SEARCH}
 VISITS_A_CALL = 200_000  # vertices visited in one kernel call: Ctrl-C works between calls
@@ -107,7 +107,7 @@ def smooth(
     at = np.empty(len(xy), dtype=np.int32)
     opposite_half_edges(vertex, np.zeros(mesh.size, dtype=np.int32), mesh.size, at)
     closed = mark.reshape(-1, 3) >= 0
-    stays = _staying(mesh, fixed) | (at < 0)
+    stays = staying(mesh, fixed) | (at < 0)
     stays[mesh.simplices[np.roll(closed, 1, axis=1) | np.roll(closed, -1, axis=1)]] = True  # ends of these
     counts = np.zeros(8, dtype=np.int64)
     where = np.zeros(1, dtype=np.int32)  # all edges that must stay share one mark; its place is never used
@@ -135,7 +135,8 @@ def _factor(points: NDArray[np.float64], coordinates: NDArray[np.float64]) -> fl
     return float(coordinates.flat[k] / points.flat[k])
 
 
-def _staying(mesh: Mesh, fixed: ArrayLike | None) -> NDArray[np.bool_]:
+def staying(mesh: Mesh, fixed: ArrayLike | None) -> NDArray[np.bool_]:
+    """Vertices (n,) that do not move: those in pairs, those that a marker names, and ``fixed``."""
     stays = np.zeros(len(mesh.points), dtype=bool)
     stays[mesh.pairs.ravel()] = True
     for rows in mesh.markers.values():

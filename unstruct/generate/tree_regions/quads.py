@@ -12,10 +12,10 @@ from ...domain.domain import Domain
 from ...geometry.scaled_jacobian import ring_angles, unit_scaled
 from ...mesh.domain_mesh import DomainMesh
 from ..boundary.pairs import paired
+from ..quads.pairing import pairs_of_triangles
 from ..tree.cells import TreeCells
 from .fitted import fitted
 from .mixed_stars import smoothed
-from .pairing import pairs_of_triangles
 
 __all__ = ["quads"]
 

@@ -1,6 +1,6 @@
 """Pairs of triangles that become convex quadrilaterals: the best first, then exchanges that make more.
 
-See the book, chapter 4b.
+See the book, chapters 4b and 6c.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ def corner_cosine(xy, a, b, c):
 
 
 @inline
-def _cost(xy, a, p, b, q):
+def _cost(xy, a, p, b, q, sharpest):
     """The largest cosine of the quadrilateral a, p, b, q, or `NO_PAIR`; its halves apq, bqp are positive."""
     worst = max(
         max(abs(corner_cosine(xy, q, a, p)), abs(corner_cosine(xy, a, p, b))),
         max(abs(corner_cosine(xy, p, b, q)), abs(corner_cosine(xy, b, q, a))),
     )
-    if not worst <= MOST_COSINE:
+    if not worst <= sharpest:
         return NO_PAIR
     if orient2(xy[a, 0], xy[a, 1], xy[p, 0], xy[p, 1], xy[b, 0], xy[b, 1]) <= 0:
         return NO_PAIR
@@ -46,7 +46,7 @@ def _cost(xy, a, p, b, q):
 
 
 @kernel
-def _costs(xy, triangles, neighbors, closed, cost):
+def _costs(xy, triangles, neighbors, closed, sharpest, cost):
     """The cost of the pair across each side; a side belongs to the triangle with the lower number."""
     for t in range(len(triangles)):
         for i in range(3):
@@ -61,7 +61,7 @@ def _costs(xy, triangles, neighbors, closed, cost):
             if o < t:
                 cost[t, i] = cost[o, j]
             else:
-                cost[t, i] = _cost(xy, a, p, triangles[o, j], q)
+                cost[t, i] = _cost(xy, a, p, triangles[o, j], q, sharpest)
 
 
 @kernel
@@ -121,8 +121,9 @@ def pairs_of_triangles(
     triangles: NDArray[np.int32],
     neighbors: NDArray[np.int32],
     closed: NDArray[np.bool_],
+    sharpest: float = MOST_COSINE,
 ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.int64]]:
-    """Pair triangles to convex quadrilaterals with angles between 39.6 and 140.4 degrees.
+    """Pair triangles to convex quadrilaterals, with angles between 39.6 and 140.4 degrees unless told.
 
     Parameters
     ----------
@@ -131,6 +132,8 @@ def pairs_of_triangles(
         Positively oriented.
     closed : (m, 3) bool
         Sides across which there are no pairs.
+    sharpest : float
+        The largest cosine of an angle.
 
     Returns
     -------
@@ -148,7 +151,7 @@ def pairs_of_triangles(
     """
     xy, _ = scaled(points)
     cost = np.empty(triangles.shape)
-    _costs(xy, triangles, neighbors, closed, cost)
+    _costs(xy, triangles, neighbors, closed, sharpest, cost)
     sides = np.flatnonzero((cost < NO_PAIR) & (neighbors > np.arange(len(triangles))[:, None]))
     mate = np.full(len(triangles), -1, dtype=np.int64)
     _greedy(sides[np.argsort(cost.ravel()[sides], kind="stable")], neighbors, mate)

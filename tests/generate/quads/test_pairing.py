@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from unstruct import delaunay
-from unstruct.generate.tree_regions.pairing import MOST_COSINE, pairs_of_triangles
+from unstruct.generate.quads.pairing import MOST_COSINE, pairs_of_triangles
 
 places = st.lists(st.tuples(st.integers(0, 6), st.integers(0, 6)), min_size=5, max_size=30, unique=True)
 
@@ -74,3 +74,41 @@ def test_exchanges_pair_what_the_greedy_choice_leaves():
     neighbors = np.array([[1, -1, -1], [2, 0, -1], [-1, 1, 3], [-1, 2, -1]], dtype=np.int32)
     single, _, both = pairs_of_triangles(points, triangles, neighbors, np.zeros((4, 3), dtype=bool))
     assert len(single) == 0 and both.tolist() == [[0, 1], [2, 3]]
+
+
+def most_pairs(sides):
+    """The largest number of disjoint pairs, by trying all."""
+    if not sides:
+        return 0
+    (t, o), rest = sides[0], sides[1:]
+    return max(most_pairs(rest), 1 + most_pairs([s for s in rest if not {t, o} & set(s)]))
+
+
+def adjacent(neighbors):
+    found = np.zeros((len(neighbors), len(neighbors)), dtype=bool)
+    t, i = np.nonzero(neighbors >= 0)
+    found[t, neighbors[t, i]] = True
+    return found
+
+
+@settings(max_examples=40, deadline=None)
+@given(rows=st.lists(st.tuples(st.integers(0, 6), st.integers(0, 6)), min_size=5, max_size=9, unique=True))
+def test_nearly_as_many_pairs_as_there_can_be(rows):
+    points = np.array(rows, dtype=float)
+    if np.linalg.matrix_rank(points - points[0]) < 2:
+        return
+    mesh = delaunay(points)
+    triangles, neighbors = np.asarray(mesh.simplices), np.asarray(mesh.neighbors)
+    _, quads, _ = pairs_of_triangles(points, triangles, neighbors, neighbors < 0, 0.97)
+    sides = []
+    for t, o in zip(*(rows.tolist() for rows in np.nonzero(np.triu(adjacent(neighbors))))):
+        i = int(np.flatnonzero(neighbors[t] == o)[0])
+        rest = triangles[o][~np.isin(triangles[o], triangles[t])]
+        x = points[[triangles[t, i], triangles[t, (i + 1) % 3], rest[0], triangles[t, (i + 2) % 3]]]
+        if (
+            all(turn(x[k - 1], x[k], x[(k + 1) % 4]) > 0 for k in range(4))
+            and np.abs(cosines(x)).max() < 0.97
+        ):
+            sides.append((t, o))
+    best = most_pairs(sides)
+    assert best - 1 <= len(quads) <= best  # odd cycles can hide one exchange
