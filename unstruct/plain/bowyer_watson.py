@@ -203,6 +203,16 @@ def exact_points(points: Points) -> list[tuple[Fraction, ...]]:
     return exact
 
 
+def planar_sites(points: Points) -> list[tuple[Fraction, ...]]:
+    """The exact points of the plane, all different: what planar methods take."""
+    sites = exact_points(points)
+    if len(sites[0]) != 2:
+        raise InputError("this method is for the plane: give points of two numbers")
+    if len(set(sites)) < len(sites):
+        raise InputError("two points are equal: remove the copies first")
+    return sites
+
+
 def _replaced(cell: Cell, vertex: int) -> list[Cell]:
     """The cell with each of its vertices in turn replaced by ``vertex``."""
     return [(*cell[:k], vertex, *cell[k + 1 :]) for k in range(len(cell))]

@@ -24,8 +24,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from unstruct.base.errors import DegenerateInputError, InputError
-from unstruct.plain.bowyer_watson import exact_points
+from unstruct.base.errors import DegenerateInputError
+from unstruct.plain.bowyer_watson import planar_sites
 from unstruct.plain.lawson import triangle
 from unstruct.plain.predicates import in_sphere, orient
 
@@ -160,11 +160,7 @@ def divide(points: Points) -> Generator[Merge, None, Ends | None]:
 
 
 def _quad_edges(points: Points) -> QuadEdges:
-    sites = exact_points(points)
-    if len(sites[0]) != 2:
-        raise InputError("the merging is told for the plane: give points of two numbers")
-    if len(set(sites)) < len(sites):
-        raise InputError("two points are equal: remove the copies first")
+    sites = planar_sites(points)
     return QuadEdges(sites)
 
 

@@ -27,8 +27,8 @@ from fractions import Fraction
 from math import sqrt
 from typing import Any
 
-from unstruct.base.errors import DegenerateInputError, InputError
-from unstruct.plain.bowyer_watson import exact_points
+from unstruct.base.errors import DegenerateInputError
+from unstruct.plain.bowyer_watson import planar_sites
 from unstruct.plain.lawson import triangle
 from unstruct.plain.predicates import orient
 
@@ -92,11 +92,7 @@ def fortune(points: Points) -> set[Triangle]:
 
 def sweep(points: Points) -> Iterator[Event]:
     """All events from above to below: n site events and as many circle events as there are triangles."""
-    sites = exact_points(points)
-    if len(sites[0]) != 2:
-        raise InputError("the sweep is told for the plane: give points of two numbers")
-    if len(set(sites)) < len(sites):
-        raise InputError("two points are equal: remove the copies first")
+    sites = planar_sites(points)
     waiting = sorted(range(len(sites)), key=lambda v: (-sites[v][1], sites[v][0]))
     beach: tuple[int, ...] = ()
     triangles: tuple[Triangle, ...] = ()

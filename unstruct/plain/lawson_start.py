@@ -20,8 +20,8 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from unstruct.base.errors import DegenerateInputError, InputError
-from unstruct.plain.bowyer_watson import exact_points
+from unstruct.base.errors import DegenerateInputError
+from unstruct.plain.bowyer_watson import planar_sites
 from unstruct.plain.lawson import flip, triangle
 from unstruct.plain.predicates import in_sphere, orient
 
@@ -68,11 +68,7 @@ def lawson_start(points: Points) -> set[Triangle]:
 
 def lawson_steps(points: Points) -> Iterator[Change]:
     """All states: each point when it is joined, and each flip after it."""
-    sites = exact_points(points)
-    if len(sites[0]) != 2:
-        raise InputError("the flips are told for the plane: give points of two numbers")
-    if len(set(sites)) < len(sites):
-        raise InputError("two points are equal: remove the copies first")
+    sites = planar_sites(points)
     hull: list[int] = []
     apex: Apex = {}
     for v in sorted(range(len(sites)), key=sites.__getitem__):

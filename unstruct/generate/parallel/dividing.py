@@ -16,7 +16,7 @@ from ...mesh.domain_mesh import DomainMesh
 from .bisecting import divided
 from .coarse import Coarse, by_part
 from .records import Part
-from .straightening import least_sine, straightened
+from .straightening import least_of_all, straightened
 
 __all__ = ["Division", "divide"]
 
@@ -55,7 +55,7 @@ def divide(domain: Domain, size: Any, coarse: Coarse, parts: int, method: Any, o
     part = divided(centers, graph, coarse.cells, parts)
     edges = _edges(mesh, part)
     points = _straight(mesh, part, edges)
-    sine = min((least_sine(points, simplices, t) for t in range(len(simplices))), default=0.0)
+    sine = float(least_of_all(points, simplices))
     shared, chains = _shared(coarse, points, edges, part, size)
     names = {v: k for k, v in mesh.regions.items()}
     region = np.asarray(mesh.markers.get("region", np.zeros(mesh.size, dtype=np.int64)))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from ...base.jit import kernel
 from ...predicates.kernels import orient2
 
-__all__ = ["least_sine", "straightened"]
+__all__ = ["least_of_all", "straightened"]
 
 STRAIGHTENING_ROUNDS = 12
 SHORTER_STEPS = 3  # a step that makes an angle too small is halved so often
@@ -43,6 +43,15 @@ def straightened(
     rows = np.flatnonzero(free & (np.diff(start) > 0))
     _straighten(moved, simplices, (order // 3, star), (np.ascontiguousarray(both[:, 1]), start), rows)
     return moved
+
+
+@kernel
+def least_of_all(points, simplices):
+    """The least `least_sine` of all triangles."""
+    least = 1.0
+    for t in range(len(simplices)):
+        least = min(least, least_sine(points, simplices, t))
+    return least
 
 
 @kernel

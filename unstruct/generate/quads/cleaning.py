@@ -1,4 +1,4 @@
-"""Vertices of quadrilaterals get nearer to four cells each: cells are joined, collapsed, opened, and turned.
+"""Vertices of quadrilaterals get nearer to four cells each: cells are joined and collapsed, edges turned.
 
 See the book, chapter 6c.
 """
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from ...base.jit import apart, inline, kernel
 from .linked import (
     CELLS_IN_CROWD,
-    ROOM_FOR_CELLS,
     Linked,
     across,
     are_neighbors,
@@ -85,6 +84,8 @@ def _collapse(m, t, least, members, rows):
         if not m.free[u] or not _may_lose(m, a) or not _may_lose(m, b):
             continue
         more = m.degree[u] - 2
+        if max(m.degree[u], m.degree[w]) > CELLS_IN_CROWD:  # a crowd stays one when it has lost some cells
+            continue
         if room_at(m, u) < 1 or room_at(m, w) < max(1, more):
             continue
         old = _excess(m, u, 0) + _excess(m, w, 0) + _excess(m, a, 0) + _excess(m, b, 0)
@@ -188,10 +189,8 @@ def _turn(m, t, least):
 
 @kernel
 def _clean_some(m, least, start, stop, counts):
-    members, rows = (
-        np.empty(CELLS_IN_CROWD + ROOM_FOR_CELLS, dtype=np.int64),
-        np.empty((CELLS_IN_CROWD + ROOM_FOR_CELLS, 4), dtype=np.int64),
-    )
+    members = np.empty(CELLS_IN_CROWD, dtype=np.int64)
+    rows = np.empty((CELLS_IN_CROWD, 4), dtype=np.int64)
     for v in range(start, min(stop, len(m.xy))):
         if _join_doublet(m, v, least):
             counts[0] += 1

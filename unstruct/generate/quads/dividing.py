@@ -133,13 +133,11 @@ def _walk_to_side(m, q, t, number, far, least):
             q.queue[length] = o
             length += 1
             o = q.before[o]
-        stopped = False
         for i in range(length - 1, 0, -1):
             if not step_on(m, t, q.queue[i], q.queue[i - 1], least):
                 q.vain[many, 0], q.vain[many, 1] = q.queue[i], q.queue[i - 1]
-                stopped = True
                 break
-        if not stopped:
+        else:
             if length == 0 or stepped(m, t, goal, a, b, least):
                 for k in range(3):
                     if m.cells[t, k] == a and divided(m, t, k, least):

@@ -16,15 +16,14 @@ from ...base.elementary import angle_of
 from ...base.jit import inline, kernel
 
 __all__ = [
-    "CELLS_IN_CROWD", "ROOM_FOR_CELLS", "Linked", "across", "are_neighbors", "linked", "middle_of",
+    "CELLS_IN_CROWD", "Linked", "across", "are_neighbors", "linked", "middle_of",
     "new_cell", "place_of", "room_at", "sides_of", "without_cell",
 ]  # fmt: skip
 
 QUARTER_CIRCLE = math.pi / 2
 ROOM_FOR_CELLS = 8  # cells that a vertex may have beyond those at first
-CELLS_IN_CROWD = (
-    64  # a vertex with more cells gets no others: what is done at a vertex takes time like their square
-)
+# A vertex with more cells gets no others: what is done at a vertex takes time like their square.
+CELLS_IN_CROWD = 64
 
 
 class Linked(NamedTuple):

@@ -30,13 +30,11 @@ from .recombine import Middles, on_pieces, recombined
 
 __all__ = ["quadrilaterals"]
 
-LENGTH_GROWTH = (
-    0.5  # of the lengths per unit of length, beside edges of the boundary that are shorter than wanted
-)
+# Of the lengths per unit of length, beside edges of the boundary that are shorter than wanted.
+LENGTH_GROWTH = 0.5
 GUIDE_ACCEPTED = 1.35  # of the triangles of the guide: see `voronoi_segment`
-SHORTEST_LENGTH = (
-    2.0**-44
-)  # of the largest coordinate: where lengths are less, points are as far apart as this
+# Of the largest coordinate: where lengths are less, points are as far apart as this.
+SHORTEST_LENGTH = 2.0**-44
 TOO_LONG = 2.0  # lengths; longer sides are told if the budget was not enough
 
 

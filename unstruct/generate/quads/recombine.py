@@ -15,6 +15,7 @@ from ...base.errors import MeshError
 from ...connect.swapping import constraints, first_fault, planar_coordinates
 from ...geometry.scaled_jacobian import ring_angles, unit_scaled
 from ...mesh.domain_mesh import DomainMesh, noticed
+from ...mesh.marked import marked_sides
 from ...mesh.mesh import Mesh
 from ...mesh.periodic import renumbered
 from ..improve.smoothing import staying
@@ -142,10 +143,7 @@ def _by_side(mesh: DomainMesh, sides: NDArray[np.int64], middles: Middles) -> ND
 
 def on_pieces(mesh: DomainMesh) -> NDArray[np.bool_]:
     """The sides (m, 3) opposite corners that lie on pieces of the domain."""
-    n = len(mesh.points)
-    ends = np.sort(mesh.segments.astype(np.int64), axis=1)
-    side = np.sort(np.asarray(mesh.simplices)[:, [[1, 2], [2, 0], [0, 1]]].astype(np.int64), axis=2)
-    return np.isin(side[..., 0] * n + side[..., 1], ends[:, 0] * n + ends[:, 1])
+    return marked_sides(np.asarray(mesh.simplices), mesh.segments, len(mesh.points))[0]
 
 
 def _assembled(

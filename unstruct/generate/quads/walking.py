@@ -223,13 +223,10 @@ def _walk_from(m, q, t, number, far, least):
             q.queue[length] = o
             length += 1
             o = q.before[o]
-        o = q.queue[length - 1]
         for i in range(length - 1, 0, -1):
-            o, then = q.queue[i], q.queue[i - 1]
-            if not step_on(m, t, o, then, least):
-                q.vain[many, 0], q.vain[many, 1] = o, then
+            if not step_on(m, t, q.queue[i], q.queue[i - 1], least):
+                q.vain[many, 0], q.vain[many, 1] = q.queue[i], q.queue[i - 1]
                 break
-            o = then
         else:
             if merged(m, t, goal, least):
                 return True, number + 1

@@ -13,6 +13,7 @@ from ...geometry.scaled_jacobian import ring_angles, unit_scaled
 from ...mesh.domain_mesh import DomainMesh
 from ..boundary.pairs import paired
 from ..quads.pairing import pairs_of_triangles
+from ..quads.recombine import on_pieces
 from ..tree.cells import TreeCells
 from .fitted import fitted
 from .mixed_stars import smoothed
@@ -53,11 +54,8 @@ def quads(cells: TreeCells, domain: Domain) -> DomainMesh:
     O(n log n).
     """
     mesh = fitted(cells, domain)
-    triangles, many = np.asarray(mesh.simplices), len(mesh.points)
-    ends = np.sort(mesh.segments.astype(np.int64), axis=1)
-    side = np.sort(triangles[:, [[1, 2], [2, 0], [0, 1]]].astype(np.int64), axis=2)
-    closed = np.isin(side[..., 0] * many + side[..., 1], ends[:, 0] * many + ends[:, 1])
-    single, quad, both = pairs_of_triangles(mesh.points, triangles, mesh.neighbors, closed)
+    triangles = np.asarray(mesh.simplices)
+    single, quad, both = pairs_of_triangles(mesh.points, triangles, mesh.neighbors, on_pieces(mesh))
     padded = np.column_stack([triangles[single], np.full(len(single), -1, dtype=np.int32)])
     free = np.asarray(mesh.origin) < 0
     free[mesh.segments.ravel()] = False
