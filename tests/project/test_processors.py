@@ -4,27 +4,25 @@ For input equal bit for bit the meshes of all methods are equal on every setting
 and holds what is stored for all machines. Excepted are sizes from computed solutions (second derivatives,
 error estimates, systems solved by linear algebra), whose last bits depend on the processor, and functions of
 the caller that are more than + - * / and square roots. Chapters that use such print what is stable, and
-assert the rest within bounds. Two of the settings run here; `book/processors.py` has all of them, for every
-notebook.
+assert the rest within bounds. Two of the settings run here and in `test_oldest_processor.py`;
+`book/processors.py` has all of them, for every notebook.
 """
 
 from __future__ import annotations
 
 import ast
 import json
-import re
 import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import mesh_hashes
 import pytest
-from book_files import BOOK, chapters, code_cells
+from book_files import BOOK
+from on_processors import named, print_the_same
 
 sys.path.append(str(BOOK))
 import processors
 
-SOLVES = re.compile(r"skfem|linalg\.(solve|lstsq|eig|svd)|spsolve|from_hessian|from_error")
 OF_MATRICES = {"det", "eig", "eigh", "inv", "lstsq", "qr", "solve", "svd"}
 DECIDE = [
     *("connect/insertion", "connect/planar", "connect/spatial", "generate"),
@@ -43,10 +41,6 @@ ROUNDED_DIFFERENTLY = set(
     "power pow cbrt sinh cosh tanh".split()
 )
 STORED = json.loads(mesh_hashes.STORED.read_text(encoding="utf-8"))
-
-
-def that_solve() -> list[Path]:
-    return [path for path in chapters() if any(SOLVES.search(cell.source) for cell in code_cells(path))]
 
 
 def is_blas(node: ast.AST) -> bool:
@@ -103,12 +97,6 @@ def test_linear_algebra_is_found(text: str) -> None:
     assert not any(map(is_blas, ast.walk(ast.parse("np.linalg.norm(a, axis=1) + (a * b).sum(axis=1)"))))
 
 
-def named(which: str) -> dict[str, str]:
-    """A setting; "another" has the linear algebra of another processor than this one and the oldest."""
-    names = ("Sandybridge", "Haswell", "one thread") if which == "another" else (which,)
-    return next(setting for name in names if (setting := processors.settings().get(name)) is not None)
-
-
 def test_every_setting_governs_what_it_should() -> None:
     settings = processors.settings()
     assert {"as it is", "one thread", "oldest", "generic code"} <= set(settings)
@@ -128,11 +116,5 @@ def test_meshes_are_equal_bit_for_bit(setting: str) -> None:
     assert not differ, f"{differ} differ; if that is meant: python tests/helpers/mesh_hashes.py --write"
 
 
-@pytest.mark.parametrize("setting", ["another", "oldest"])
-def test_what_chapters_print_that_solve_something(setting: str) -> None:
-    paths = that_solve()
-    names = "2.1- 2.2a 2.3- 2.4b 2.6a 2.6d 2.7- 2.8a 2.8b 2.8c 2.8d 3.3- 4b-t 4c-t 5-pr".split()
-    assert {path.name[:4] for path in paths} == set(names)
-    found = processors.compared(named(setting), paths)
-    text = "\n".join(f"{where}\n{processors.shown(text)}" for where, text in found.items())
-    assert not found, f"under {named(setting)}: {text}"
+def test_what_chapters_print_that_solve_something() -> None:
+    print_the_same("another")

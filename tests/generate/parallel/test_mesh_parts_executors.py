@@ -41,18 +41,18 @@ def _once(folder, count):
     return False
 
 
-def _raises(folder, count, domain, size, **options):
+def _raises(folder, count, domain, size):
     """Raise in the part with the center of the disc, the first ``count`` times."""
     if domain.contains((0.95, 0.05)) and _once(folder, count):
         raise OSError("the disk is full")
-    return unstruct.voronoi_segment(domain, size, **options)
+    return unstruct.voronoi_segment(domain, size)
 
 
-def _dies(folder, domain, size, **options):
+def _dies(folder, domain, size):
     """End the process in the part with this place, once, and not cleanly."""
     if domain.contains((0.95, 0.05)) and _once(folder, 1):
         os.kill(os.getpid(), signal.SIGKILL)
-    return unstruct.voronoi_segment(domain, size, **options)
+    return unstruct.voronoi_segment(domain, size)
 
 
 def _figures(mesh):
@@ -86,7 +86,8 @@ def test_processes(here):
         with pytest.raises(unstruct.InputError, match="cannot be sent"):
             unstruct.mesh_parts(DOMAIN, lambda x: np.full(len(x), 0.1), 2, map=pool.map)
         with pytest.raises(unstruct.MeshError, match=r"part \d of 2, .*TypeError"):
-            unstruct.mesh_parts(DOMAIN, SIZE, 2, map=pool.map, nonsense=1)
+            method = partial(unstruct.voronoi_segment, nonsense=1)
+            unstruct.mesh_parts(DOMAIN, SIZE, 2, method=method, map=pool.map)
 
 
 def test_dask(client, here):

@@ -44,7 +44,7 @@ class _Edges(NamedTuple):
     row: NDArray[np.int64]  # (e,) the sampled subsegment, or -1
 
 
-def divide(domain: Domain, size: Any, coarse: Coarse, parts: int, method: Any, options: Any) -> Division:
+def divide(domain: Domain, size: Any, coarse: Coarse, parts: int, method: Any) -> Division:
     """Divide a region into parts, each of them a domain whose interfaces are cut by the size."""
     mesh = coarse.mesh
     simplices, neighbors = np.asarray(mesh.simplices), np.asarray(mesh.neighbors)
@@ -76,7 +76,7 @@ def divide(domain: Domain, size: Any, coarse: Coarse, parts: int, method: Any, o
             Part(
                 k, parts, shared[used], used, ends[: rows.facets], ends[rows.facets :], rows.row,
                 np.flatnonzero(fixed), _stretches(coarse.sampled, rows.row, fixed, curved.bent), regions,
-                own, method, dict(options), float(coarse.cells[part == k].sum()),
+                own, method, float(coarse.cells[part == k].sum()),
             )
         )  # fmt: skip
     edges_on = sum(len(chain) - 1 for chain in chains.values())

@@ -100,7 +100,6 @@ def mesh_parts(
     map: Callable[..., Iterable[Any]] = map,
     join: bool = True,
     progress: bool = False,
-    **options: Any,
 ) -> Any:
     """Mesh a planar region in parts that are independent of each other, and join them exactly.
 
@@ -112,8 +111,9 @@ def mesh_parts(
     parts : int
         How many parts; each must have room for 16 cells.
     method : callable, optional
-        Takes a domain, a size and options, and returns a `DomainMesh`; `voronoi_segment` by default. It must
-        keep pieces with a `Spacing` as they are, as the methods of this book do.
+        Takes a domain and a size, and returns a `DomainMesh`; `voronoi_segment` by default. For options
+        give ``functools.partial(method, ...)``; a ``history`` stays in the meshes of the parts. It must keep
+        pieces with a `Spacing` as they are, as the methods of this book do.
     map : callable
         ``map(work, parts)`` returns the meshes in the order of the parts. The builtin one works in this
         process; ``ThreadPoolExecutor().map`` in threads, which is worth it since kernels release Python's
@@ -124,8 +124,6 @@ def mesh_parts(
         meshes stay on the cluster: see `Parts.write`.
     progress : bool
         Show a bar of the parts that are done.
-    options : optional
-        Those of the method. A ``history`` stays in the meshes of the parts (``join=False``).
 
     Returns
     -------
@@ -169,7 +167,7 @@ def mesh_parts(
         if not callable(value):
             raise InputError(f"{what} must be a function, not {type(value).__name__}")
     if many == 1 and join:
-        mesh = chosen(domain, size, **options)
+        mesh = chosen(domain, size)
         mesh.markers["part"] = np.zeros(mesh.size, dtype=np.int32)
         return mesh
     coarse = coarse_triangles(domain, size, many)
@@ -180,7 +178,7 @@ def mesh_parts(
             f"parts = {many} is too many: about {coarse.cells.sum():.0f} cells of this size fit into "
             f"the region; take at most {most} parts, or a smaller size"
         )
-    division = divide(domain, size, coarse, many, chosen, options)
+    division = divide(domain, size, coarse, many, chosen)
     meshes = []
     with progress_bar(progress, " parts", total=many) as bar:
         for mesh in _sent(map, division.parts):

@@ -41,8 +41,7 @@ class Part:
         Points inside of each region of the whole, by its number as a text.
     size : size, or dict of str to size
     method : callable
-        Takes a domain, a size and options.
-    options : dict
+        Takes a domain and a size.
     predicted : float
         How many cells it is expected to have.
     """
@@ -59,7 +58,6 @@ class Part:
     regions: dict[str, NDArray[np.float64]]
     size: Any
     method: Callable[..., DomainMesh]
-    options: dict[str, Any]
     predicted: float
 
     @property
@@ -81,7 +79,7 @@ def mesh_part(part: Part) -> DomainMesh:
         If it cannot be meshed; the message names the part, where it lies, and why.
     """
     try:
-        return part.method(part.domain, part.size, **part.options)
+        return part.method(part.domain, part.size)
     except Exception as error:
         low, high = part.points.min(axis=0), part.points.max(axis=0)
         where = f"from ({low[0]:.6g}, {low[1]:.6g}) to ({high[0]:.6g}, {high[1]:.6g})"
